@@ -1,0 +1,125 @@
+// Kinds: the vocabulary of scene files as tables.
+//
+// A kind is one struct, templated on a Mode: `Point<AnimatedMode>` is the node of a scene,
+// `Point<SampledMode>` the same node at one moment. It has
+//   static constexpr std::string_view k_name = "point";      the word in scene files
+//   static constexpr std::string_view k_doc  = "…";          its manual page (Markdown)
+//   static constexpr auto parameters();                      a std::tuple of Parameter rows
+// The rows drive everything: parsing, validation, sampling, `kelpie kinds` and the JSON schema.
+// Defaults are the member initialisers. A KindList is the one line that adds a kind.
+//
+// Rejected: self-registration by static objects (order undefined, lost in static libraries).
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <variant>
+#include <vector>
+
+#include "base/animated.h"
+
+namespace kelpie {
+
+struct FieldNode; // defined where all lists of field kinds meet: scene/field_node.h
+
+using FieldPtr = std::shared_ptr<FieldNode>;
+
+/// As written in a scene: numbers are curves, children are nodes.
+struct AnimatedMode {
+  template <class T>
+  using Value = Animated<T>;
+  using Child = FieldPtr;
+  using Children = std::vector<FieldPtr>;
+};
+
+/// At one moment: numbers are numbers, children are indices into the sampled field's node array.
+struct SampledMode {
+  template <class T>
+  using Value = T;
+  using Child = unsigned;
+  using Children = std::vector<unsigned>;
+};
+
+/// A parameter that may be animated.
+template <class Mode, class T>
+using Value = typename Mode::template Value<T>;
+
+enum class Unit { none, length, degrees, frames, pixels };
+
+/// The values a number may take; `open` ends are excluded.
+struct Range {
+  double lower = -std::numeric_limits<double>::infinity();
+  double upper = std::numeric_limits<double>::infinity();
+  bool lower_open = false, upper_open = false;
+
+  constexpr bool contains(double v) const {
+    return (lower_open ? v > lower : v >= lower) && (upper_open ? v < upper : v <= upper);
+  }
+};
+
+/// One row of a kind's table. `T` is the member's type: Value<Mode, float|Vec3|Colour>, int, bool,
+/// std::string, AssetPath, Mode::Child, Mode::Children, or an enumeration with EnumNames.
+template <class Owner, class T>
+struct Parameter {
+  std::string_view name;
+  T Owner::*member;
+  std::string_view doc;
+  Unit unit = Unit::none;
+  Range range{};
+  bool is_required = false;
+
+  constexpr Parameter in(Unit u) const { auto p = *this; p.unit = u; return p; }
+  constexpr Parameter at_least(double v) const { auto p = *this; p.range.lower = v; return p; }
+  constexpr Parameter above(double v) const { auto p = *this; p.range.lower = v; p.range.lower_open = true; return p; }
+  constexpr Parameter at_most(double v) const { auto p = *this; p.range.upper = v; return p; }
+  constexpr Parameter below(double v) const { auto p = *this; p.range.upper = v; p.range.upper_open = true; return p; }
+  constexpr Parameter required() const { auto p = *this; p.is_required = true; return p; }
+};
+
+template <class Owner, class T>
+constexpr Parameter<Owner, T> parameter(std::string_view name, T Owner::*member, std::string_view doc) {
+  return {name, member, doc};
+}
+
+/// A file that the scene names. `path` is as written; `resolved` is filled by the reader.
+struct AssetPath {
+  std::string path;
+  std::string resolved;
+  bool is_set() const { return !path.empty(); }
+};
+
+/// Specialise for every enumeration that scene files may name:
+///   static constexpr std::array<std::pair<std::string_view, E>, n> values{…};
+template <class E>
+struct EnumNames;
+
+/// A compile-time list of kinds.
+template <template <class> class... Kinds>
+struct KindList {
+  static constexpr size_t k_size = sizeof...(Kinds);
+
+  template <class Mode>
+  using Variant = std::variant<Kinds<Mode>...>;
+
+  /// Calls `visit.template operator()<Kinds>()` for each kind in turn.
+  template <class Visitor>
+  static constexpr void for_each(Visitor&& visit) {
+    (visit.template operator()<Kinds>(), ...);
+  }
+};
+
+template <class A, class B>
+struct ConcatKinds;
+template <template <class> class... A, template <class> class... B>
+struct ConcatKinds<KindList<A...>, KindList<B...>> {
+  using type = KindList<A..., B...>;
+};
+
+/// Two lists as one.
+template <class A, class B>
+using Concat = typename ConcatKinds<A, B>::type;
+
+} // namespace kelpie

@@ -1,0 +1,56 @@
+#include <csignal>
+#include <new>
+
+#include <fmt/format.h>
+
+#include "cli/command.h"
+
+namespace kelpie {
+
+void print_warnings(const Diagnostics& diagnostics) {
+  for (const Problem& p : diagnostics.warnings()) fmt::print(stderr, "warning: {}\n", to_string(p));
+}
+
+namespace {
+
+int status(ExitStatus s) { return static_cast<int>(s); }
+
+int run(int argc, char** argv) {
+  CLI::App app{"kelpie renders implicit surfaces: shapes that flow, blend and turn into one another."};
+  app.set_version_flag("--version", "kelpie " KELPIE_VERSION);
+  app.require_subcommand(1);
+  app.failure_message(CLI::FailureMessage::simple);
+  app.get_formatter()->column_width(34);
+  for (const auto add : {KELPIE_COMMANDS}) add(app);
+  try {
+    app.parse(argc, argv);
+    return status(ExitStatus::ok);
+  } catch (const CLI::CallForHelp& e) {
+    return app.exit(e);
+  } catch (const CLI::CallForAllHelp& e) {
+    return app.exit(e);
+  } catch (const CLI::CallForVersion& e) {
+    return app.exit(e);
+  } catch (const CLI::ParseError& e) {
+    fmt::print(stderr, "error: {}\n", e.what());
+    return status(ExitStatus::usage);
+  } catch (const Error& e) {
+    for (const Problem& p : e.problems) fmt::print(stderr, "error: {}\n", to_string(p));
+    return status(e.status);
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "error: out of memory\n");
+    return status(ExitStatus::out_of_memory);
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "error: internal: {}\n", e.what());
+    return status(ExitStatus::internal);
+  }
+}
+
+} // namespace
+} // namespace kelpie
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN); // a reader that goes away is a failed write (74), not a death
+  std::signal(SIGXFSZ, SIG_IGN);
+  return kelpie::run(argc, argv);
+}

@@ -1,0 +1,49 @@
+// The kinds of field of this folder. A new kind is its header and its line here.
+#pragma once
+
+#include "field/clouds/blobs.h"
+#include "field/operators/blend.h"
+#include "field/operators/difference.h"
+#include "field/operators/intersection.h"
+#include "field/operators/union.h"
+#include "field/skeletons/point.h"
+#include "field/skeletons/segment.h"
+#include "field/warps/affine.h"
+
+namespace kelpie {
+
+using FieldFolderKinds = KindList< //
+    Point,                         //
+    Segment,                       //
+    Blobs,                         //
+    Blend,                         //
+    Union,                         //
+    Intersection,                  //
+    Difference,                    //
+    Translate,                     //
+    Rotate,                        //
+    Scale>;
+
+// What a sampled kind can be asked, and so how the engine treats it:
+
+/// Yields blobs: `void append_blobs(BlobCloud&) const`.
+template <class K>
+concept BlobSource = requires(const K k, BlobCloud out) { k.append_blobs(out); };
+/// A leaf: `Box3 support()`, and `Real potential(Point3<Real>)` for double, Interval and Dual.
+template <class K>
+concept Skeleton = requires(const K k, Point3<double> p, Point3<Interval> b) {
+  k.support();
+  k.potential(p);
+  k.potential(b);
+};
+/// Joins the values of its children.
+template <class K>
+concept Operator = requires(const K k, std::span<const double> f, std::span<const Interval> i) {
+  k.combine(f, 1.0);
+  k.combine(i, 1.0);
+};
+/// Moves the space of its child affinely.
+template <class K>
+concept AffineWarp = requires(const K k) { k.parent_from_child(); };
+
+} // namespace kelpie

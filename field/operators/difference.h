@@ -1,0 +1,33 @@
+#pragma once
+
+#include <span>
+
+#include "base/dual.h"
+#include "base/kind.h"
+
+namespace kelpie {
+
+template <class Mode>
+struct Difference {
+  static constexpr std::string_view k_name = "difference";
+  static constexpr std::string_view k_doc = R"(The first child without the others.
+
+    f = max(0, min(f_A, 2T - f_B, 2T - f_C, …)),   T the threshold of the shape
+
+Clamped at 0, because below 0 it would spoil a blend above it. Source: methods.md section 2.)";
+
+  typename Mode::Children children;
+
+  static constexpr auto parameters() {
+    return std::tuple{parameter("children", &Difference::children, "what to carve, then what to carve away").required()};
+  }
+
+  template <class Real>
+  Real combine(std::span<const Real> f, double threshold) const {
+    Real least = f[0];
+    for (const Real& x : f.subspan(1)) least = min(least, Real(2 * threshold) - x);
+    return max(Real(0.0), least);
+  }
+};
+
+} // namespace kelpie

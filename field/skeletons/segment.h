@@ -1,0 +1,57 @@
+#pragma once
+
+#include "base/box.h"
+#include "field/falloff.h"
+
+namespace kelpie {
+
+template <class Mode>
+struct Segment {
+  static constexpr std::string_view k_name = "segment";
+  static constexpr std::string_view k_doc = R"(The potential around a line segment: a capsule of soft matter.
+
+    f(p) = weight * falloff(d(p)^2 / radius^2),   d the Euclidean distance to the segment
+
+Equal ends make it a `point`. Source: methods.md section 2.)";
+
+  Value<Mode, Vec3> from{Vec3(0)};
+  Value<Mode, Vec3> to{Vec3(0, 1, 0)};
+  Value<Mode, float> radius{1.f};
+  Value<Mode, float> weight{1.f};
+  Falloff falloff = Falloff::quartic;
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("from", &Segment::from, "one end of the skeleton").in(Unit::length).required(),
+        parameter("to", &Segment::to, "the other end").in(Unit::length).required(),
+        parameter("radius", &Segment::radius, "radius of influence: the potential is 0 beyond it").in(Unit::length).above(0).required(),
+        parameter("weight", &Segment::weight, "the potential on the segment; negative carves"),
+        parameter("falloff", &Segment::falloff, "how the potential decreases"),
+    };
+  }
+
+  // Sampled:
+
+  Box3 support() const {
+    Box3 box;
+    box.extend(from), box.extend(to);
+    return box.padded(radius);
+  }
+
+  template <class Real>
+  Real potential(const Point3<Real>& p) const {
+    // Distances along and across the axis: each coordinate of p - from is used as it is, and the part
+    // along the axis is clamped once, which keeps intervals narrow.
+    const Vec3d axis = Vec3d(to) - Vec3d(from);
+    const double length = glm::length(axis), inverse = length > 0 ? 1 / length : 0;
+    const Vec3d e = axis * inverse;
+    const Real x = p.x - Real(from.x), y = p.y - Real(from.y), z = p.z - Real(from.z);
+    const Real along = x * e.x + y * e.y + z * e.z;
+    const Real beyond = along - clamp(along, 0, length);
+    const Real across = square(y * e.z - z * e.y) + square(z * e.x - x * e.z) + square(x * e.y - y * e.x);
+    const Real d2 = length > 0 ? across + square(beyond) : square(x) + square(y) + square(z);
+    return double(weight) * kelpie::falloff(falloff, d2 * (1 / square(double(radius))));
+  }
+};
+
+} // namespace kelpie

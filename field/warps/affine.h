@@ -1,0 +1,98 @@
+// The affine warps: translate, rotate, scale. f(p) = f_child(W^-1 p).
+#pragma once
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "base/kind.h"
+#include "base/vec.h"
+
+namespace kelpie {
+
+/// p -> linear p + offset, in double precision.
+struct Affine {
+  Mat3d linear{1.0};
+  Vec3d offset{0.0};
+
+  Vec3d operator()(const Vec3d& p) const { return linear * p + offset; }
+  friend Affine operator*(const Affine& a, const Affine& b) { return {a.linear * b.linear, a.linear * b.offset + a.offset}; }
+  friend Affine inverse(const Affine& a) {
+    const Mat3d m = glm::inverse(a.linear);
+    return {m, -(m * a.offset)};
+  }
+  template <class Real>
+  Point3<Real> apply(const Point3<Real>& p) const {
+    const Mat3d& m = linear;
+    return {m[0][0] * p.x + m[1][0] * p.y + m[2][0] * p.z + Real(offset.x),
+            m[0][1] * p.x + m[1][1] * p.y + m[2][1] * p.z + Real(offset.y),
+            m[0][2] * p.x + m[1][2] * p.y + m[2][2] * p.z + Real(offset.z)};
+  }
+};
+
+template <class Mode>
+struct Translate {
+  static constexpr std::string_view k_name = "translate";
+  static constexpr std::string_view k_doc = "Moves its child by `by`.";
+
+  Value<Mode, Vec3> by{Vec3(0)};
+  typename Mode::Child child{};
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("by", &Translate::by, "the displacement").in(Unit::length).required(),
+        parameter("child", &Translate::child, "the field to move").required(),
+    };
+  }
+  Affine parent_from_child() const { return {Mat3d(1.0), Vec3d(by)}; }
+};
+
+template <class Mode>
+struct Rotate {
+  static constexpr std::string_view k_name = "rotate";
+  static constexpr std::string_view k_doc = "Turns its child by `angle` about an axis through `centre`, right-handed.";
+
+  Value<Mode, Vec3> axis{Vec3(0, 1, 0)};
+  Value<Mode, float> angle{0.f};
+  Value<Mode, Vec3> centre{Vec3(0)};
+  typename Mode::Child child{};
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("axis", &Rotate::axis, "direction of the axis; need not be a unit vector, may not be zero"),
+        parameter("angle", &Rotate::angle, "angle of rotation").in(Unit::degrees).required(),
+        parameter("centre", &Rotate::centre, "a point on the axis").in(Unit::length),
+        parameter("child", &Rotate::child, "the field to turn").required(),
+    };
+  }
+  Affine parent_from_child() const {
+    const Vec3d a(axis);
+    const double length = glm::length(a);
+    if (!(length > 0)) return {}; // an animated axis that passes through zero: no rotation
+    const Mat3d m(glm::rotate(glm::dmat4(1.0), glm::radians(double(angle)), a / length));
+    return {m, Vec3d(centre) - m * Vec3d(centre)};
+  }
+};
+
+template <class Mode>
+struct Scale {
+  static constexpr std::string_view k_name = "scale";
+  static constexpr std::string_view k_doc = "Scales its child by a factor for each axis about `centre`. The potential itself is not scaled.";
+
+  Value<Mode, Vec3> by{Vec3(1)};
+  Value<Mode, Vec3> centre{Vec3(0)};
+  typename Mode::Child child{};
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("by", &Scale::by, "a factor for each axis").above(0).required(),
+        parameter("centre", &Scale::centre, "the point that stays").in(Unit::length),
+        parameter("child", &Scale::child, "the field to scale").required(),
+    };
+  }
+  Affine parent_from_child() const {
+    Mat3d m(1.0);
+    for (int i = 0; i < 3; ++i) m[i][i] = by[i];
+    return {m, Vec3d(centre) - m * Vec3d(centre)};
+  }
+};
+
+} // namespace kelpie

@@ -1,0 +1,43 @@
+// The field of a liquid morph: one cloud of blobs flows into another.
+#pragma once
+
+#include <memory>
+
+#include "base/kind.h"
+#include "field/blob.h"
+#include "morph/liquid/interpolate.h"
+
+namespace kelpie {
+
+template <class Mode>
+struct Liquid {
+  static constexpr std::string_view k_name = "liquid";
+  static constexpr std::string_view k_doc = R"(One cloud of blobs flows into another as liquid.
+
+Each blob of `from` is linked to its partners in `to` (the correspondence), split into as many parts as it
+has partners, and each part's centre, radius and weight are interpolated. At progress 0 and 1 the field is
+exactly that of the two clouds. Source: Jin, Liu, Wang, Feng, Sun 2005, "Blob-based liquid morphing";
+methods.md section 1.)";
+
+  AssetPath from, to;
+  Correspondence correspondence = Correspondence::cellular;
+  VolumeRule volume = VolumeRule::linear;
+  Value<Mode, float> progress{0.f};
+  /// The matched clouds; filled when the scene is built.
+  std::shared_ptr<const LiquidMorph> morph;
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("from", &Liquid::from, "the cloud at progress 0: a PLY file as for `blobs`").required(),
+        parameter("to", &Liquid::to, "the cloud at progress 1").required(),
+        parameter("correspondence", &Liquid::correspondence, "how blobs find their partners"),
+        parameter("volume", &Liquid::volume, "`linear`: the potential is scaled so that the volume changes linearly; `free`: as it comes"),
+        parameter("progress", &Liquid::progress, "0 is `from`, 1 is `to`").at_least(0).at_most(1).required(),
+    };
+  }
+
+  // Sampled:
+  void append_blobs(BlobCloud& out) const { morph->append_blobs(progress, out); }
+};
+
+} // namespace kelpie
