@@ -1,0 +1,70 @@
+#include "morph/liquid/volume.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kelpie {
+
+namespace {
+
+constexpr double k_most_gain = 64;
+
+/// Adds the blob's potential at the cells x = first..last of the row through (y, z) at distance^2 `yz` of its centre.
+void add_row(const Blob& b, const FalloffPolynomial& p, float x0, float step, float yz, int first, int last, float* row) {
+  const float inverse = 1 / (b.radius * b.radius);
+  const float a = static_cast<float>(p.a) * b.weight, c = static_cast<float>(p.b) * b.weight;
+  for (int i = first; i <= last; ++i) {
+    const float dx = x0 + step * static_cast<float>(i) - b.centre.x;
+    const float q = std::max(0.f, 1 - (dx * dx + yz) * inverse);
+    row[i] += q * q * (a + c * q);
+  }
+}
+
+} // namespace
+
+VolumeGrid::VolumeGrid(const Box3& box, size_t cells) : origin_(box.lower) {
+  const Vec3 extent = glm::max(box.extent(), Vec3(1e-3f * box.diagonal() + 1e-30f));
+  step_ = std::cbrt(extent.x * extent.y * extent.z / static_cast<float>(cells));
+  for (int k = 0; k < 3; ++k) count_[k] = 1 + static_cast<size_t>(extent[k] / step_);
+  origin_ += 0.5f * step_;
+}
+
+std::vector<float> VolumeGrid::potentials(const BlobCloud& cloud) const {
+  std::vector<float> sums(count_[0] * count_[1] * count_[2], 0.f);
+  for (const Blob& b : cloud) {
+    int first[3], last[3];
+    for (int k = 0; k < 3; ++k) {
+      const float most = static_cast<float>(count_[k] - 1);
+      first[k] = static_cast<int>(std::clamp(std::ceil((b.centre[k] - b.radius - origin_[k]) / step_), 0.f, most));
+      last[k] = static_cast<int>(std::clamp(std::floor((b.centre[k] + b.radius - origin_[k]) / step_), 0.f, most));
+    }
+    const FalloffPolynomial p = polynomial(b.falloff);
+    for (int z = first[2]; z <= last[2]; ++z)
+      for (int y = first[1]; y <= last[1]; ++y) {
+        const float dy = origin_.y + step_ * static_cast<float>(y) - b.centre.y,
+                    dz = origin_.z + step_ * static_cast<float>(z) - b.centre.z;
+        const float yz = dy * dy + dz * dz, left = b.radius * b.radius - yz;
+        if (left <= 0) continue;
+        const float half = std::sqrt(left) / step_, middle = (b.centre.x - origin_.x) / step_;
+        add_row(b, p, origin_.x, step_, yz, std::max(first[0], static_cast<int>(std::floor(middle - half))),
+                std::min(last[0], static_cast<int>(std::ceil(middle + half))), sums.data() + (z * count_[1] + y) * count_[0]);
+      }
+  }
+  return sums;
+}
+
+double VolumeGrid::volume(const BlobCloud& cloud) const {
+  const std::vector<float> sums = potentials(cloud);
+  return static_cast<double>(std::count_if(sums.begin(), sums.end(), [](float f) { return f > 1; }));
+}
+
+double VolumeGrid::gain_for_volume(const BlobCloud& cloud, double wanted) const {
+  std::vector<float> sums = potentials(cloud);
+  // {gain * f > 1} is {f > 1/gain}: the threshold that `wanted` cells exceed is an order statistic.
+  const size_t rank = std::min(static_cast<size_t>(std::max(wanted, 0.0)), sums.size() - 1);
+  std::nth_element(sums.begin(), sums.begin() + static_cast<std::ptrdiff_t>(rank), sums.end(), std::greater<>());
+  const double threshold = sums[rank];
+  return std::clamp(threshold > 0 ? 1 / threshold : k_most_gain, 1 / k_most_gain, k_most_gain);
+}
+
+} // namespace kelpie

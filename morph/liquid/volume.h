@@ -1,0 +1,30 @@
+// How much liquid a cloud of blobs is.
+#pragma once
+
+#include <vector>
+
+#include "field/blob.h"
+
+namespace kelpie {
+
+/// Samples the sum of a cloud's potentials on a fixed grid over `box`, so that clouds are compared on
+/// the same points. The same cloud yields the same numbers on every machine and thread.
+class VolumeGrid {
+public:
+  /// About `cells` cubic cells.
+  VolumeGrid(const Box3& box, size_t cells);
+
+  /// The volume where the sum exceeds 1, in cells (fractions count).
+  double volume(const BlobCloud&) const;
+  /// The factor of all weights that makes `volume` be `wanted` (within [1/64, 64]).
+  double gain_for_volume(const BlobCloud&, double wanted) const;
+
+private:
+  std::vector<float> potentials(const BlobCloud&) const;
+
+  Vec3 origin_; ///< centre of the first cell
+  float step_;
+  size_t count_[3];
+};
+
+} // namespace kelpie
