@@ -50,14 +50,18 @@ constexpr FalloffCurvature curvature(Falloff f) {
   return {4, 8};
 }
 
-/// The largest slope in units of weight / R: at u = 1/3, 1/5 and about 0.29.
-constexpr double max_slope(Falloff f) {
+/// Where the slope |d falloff / d r| is largest, as u = r^2/R^2, and its value there in units of
+/// weight / R. The slope rises up to `u` and falls beyond.
+struct FalloffSlope {
+  double u, most;
+};
+constexpr FalloffSlope steepest(Falloff f) {
   switch (f) {
-  case Falloff::quartic: return 1.5396;
-  case Falloff::cubic: return 1.7173;
-  case Falloff::wyvill: return 1.583;
+  case Falloff::quartic: return {1.0 / 3, 1.5397};
+  case Falloff::cubic: return {1.0 / 5, 1.7174};
+  case Falloff::wyvill: return {0.2535, 1.5835}; // 11 - 51 u + 30 u^2 = 0
   }
-  return 1.5396;
+  return {1.0 / 3, 1.5397};
 }
 
 /// The falloff at u = d^2/R^2 >= 0; 1 at u = 0, 0 from u = 1 on.

@@ -1,9 +1,6 @@
 #pragma once
 
-#include <span>
-
-#include "base/dual.h"
-#include "base/kind.h"
+#include "field/operators/operator.h"
 
 namespace kelpie {
 
@@ -28,6 +25,13 @@ Source: methods.md section 2.)";
     for (const Real& x : f.subspan(1)) sum = sum + x;
     return sum;
   }
+
+  /// What reaches the cell: an operand that is 0 throughout adds nothing.
+  void keep(std::span<const Interval> f, double /*threshold*/, Demand /*mine*/, std::span<char> kept) const {
+    for (size_t i = 0; i < f.size(); ++i) kept[i] = f[i].lo != 0 || f[i].hi != 0;
+  }
+  /// A lone operand is the sum; of several, the values matter.
+  Demand demand_of_operands(Demand mine, size_t count) const { return count == 1 ? mine : Demand::value; }
 };
 
 } // namespace kelpie

@@ -1,9 +1,6 @@
 #pragma once
 
-#include <span>
-
-#include "base/dual.h"
-#include "base/kind.h"
+#include "field/operators/operator.h"
 
 namespace kelpie {
 
@@ -28,6 +25,17 @@ Clamped at 0, because below 0 it would spoil a blend above it. Source: methods.m
     for (const Real& x : f.subspan(1)) least = min(least, Real(2 * threshold) - x);
     return max(Real(0.0), least);
   }
+
+  /// What is carved away is dropped where it does not reach: under `sign` where it is outside
+  /// throughout, under `value` where 2T - f_B is never below f_A.
+  void keep(std::span<const Interval> f, double threshold, Demand mine, std::span<char> kept) const {
+    kept[0] = true;
+    for (size_t i = 1; i < f.size(); ++i) {
+      const bool outside = mine == Demand::sign && f[i].hi < threshold;
+      kept[i] = !(outside || 2 * threshold - f[i].hi >= f[0].hi);
+    }
+  }
+  Demand demand_of_operands(Demand mine, size_t /*count*/) const { return mine; }
 };
 
 } // namespace kelpie

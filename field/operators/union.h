@@ -1,9 +1,6 @@
 #pragma once
 
-#include <span>
-
-#include "base/dual.h"
-#include "base/kind.h"
+#include "field/operators/operator.h"
 
 namespace kelpie {
 
@@ -28,6 +25,15 @@ Creased where the surfaces cross. Source: methods.md section 2.)";
     for (const Real& x : f.subspan(1)) most = max(most, x);
     return most;
   }
+
+  /// An operand that is below another throughout is never the largest; where only the sign is asked
+  /// for, neither is one that is outside throughout.
+  void keep(std::span<const Interval> f, double threshold, Demand mine, std::span<char> kept) const {
+    double floor = -std::numeric_limits<double>::infinity();
+    for (const Interval& x : f) floor = std::max(floor, x.lo);
+    for (size_t i = 0; i < f.size(); ++i) kept[i] = f[i].hi >= floor && !(mine == Demand::sign && f[i].hi < threshold);
+  }
+  Demand demand_of_operands(Demand mine, size_t /*count*/) const { return mine; }
 };
 
 } // namespace kelpie

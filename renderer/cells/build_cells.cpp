@@ -1,0 +1,188 @@
+#include <array>
+#include <cmath>
+
+#include <tbb/parallel_for.h>
+
+#include "renderer/cells/cells.h"
+#include "renderer/program/bound.h"
+
+namespace kelpie {
+
+size_t ShapeCells::bytes() const {
+  return cells.size() * sizeof(Cell) + blob_data.size() * sizeof(float) + steps.size() * sizeof(Instruction) +
+         (operands.size() + blob_indices.size()) * sizeof(uint32_t);
+}
+
+namespace {
+
+/// A cell is dropped as empty or full only by this margin of the threshold: rays are solved in float.
+constexpr double k_margin = 1e-5;
+/// Subtrees with more elements than this are built in parallel.
+constexpr size_t k_parallel_elements = 400;
+
+class Builder {
+public:
+  Builder(const FieldProgram& program, const CellLimits& limits) : program_(program), limits_(limits) {}
+
+  void build(const Box3d& box, const Code& parent, int depth, ShapeCells& out) const {
+    std::vector<Interval> ranges;
+    Code code = bound(program_, parent, box, ranges);
+    const Interval field = ranges.back();
+    if (field.hi < program_.threshold * (1 - k_margin) || field.lo > program_.threshold * (1 + k_margin)) return;
+    if (code.steps.size() > 1) code = prune(program_, code, ranges);
+    const double radius = smallest_radius(code);
+    const size_t elements = element_count(code);
+    const Vec3d extent = box.extent();
+    const double side = std::max({extent.x, extent.y, extent.z});
+    if (elements <= limits_.elements || side <= limits_.side_in_radii * radius || depth >= limits_.depth)
+      add_cell(box, code, radius, out);
+    else
+      subdivide(box, code, elements, depth, out);
+  }
+
+private:
+  /// Halves every axis that is not much shorter than the longest, so that cells become cubes.
+  void subdivide(const Box3d& box, const Code& code, size_t elements, int depth, ShapeCells& out) const {
+    const Vec3d extent = box.extent();
+    const double longest = std::max({extent.x, extent.y, extent.z});
+    std::array<Box3d, 8> children;
+    size_t count = 1;
+    children[0] = box;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (extent[axis] < 0.6 * longest) continue;
+      const double middle = box.centre()[axis];
+      for (size_t i = 0; i < count; ++i) {
+        children[count + i] = children[i];
+        children[i].upper[axis] = children[count + i].lower[axis] = middle;
+      }
+      count *= 2;
+    }
+    if (elements < k_parallel_elements) {
+      for (size_t i = 0; i < count; ++i) build(children[i], code, depth + 1, out);
+      return;
+    }
+    std::array<ShapeCells, 8> parts;
+    tbb::parallel_for(size_t(0), count, [&](size_t i) { build(children[i], code, depth + 1, parts[i]); });
+    for (size_t i = 0; i < count; ++i) append(parts[i], out);
+  }
+
+  /// In the order of the children, whatever thread was first.
+  static void append(const ShapeCells& part, ShapeCells& out) {
+    for (Cell cell : part.cells) {
+      cell.first += cell.content == Cell::Content::code ? out.steps.size() : out.blob_data.size();
+      out.cells.push_back(cell);
+    }
+    const auto operands = static_cast<uint32_t>(out.operands.size()), blobs = static_cast<uint32_t>(out.blob_indices.size());
+    for (Instruction step : part.steps) {
+      step.first += step.kind == Instruction::Kind::blobs ? blobs : operands;
+      out.steps.push_back(step);
+    }
+    out.operands.insert(out.operands.end(), part.operands.begin(), part.operands.end());
+    out.blob_indices.insert(out.blob_indices.end(), part.blob_indices.begin(), part.blob_indices.end());
+    out.blob_data.insert(out.blob_data.end(), part.blob_data.begin(), part.blob_data.end());
+  }
+
+  void add_cell(const Box3d& box, const Code& code, double radius, ShapeCells& out) const {
+    Cell cell;
+    cell.box = {Vec3(box.lower), Vec3(box.upper)};
+    cell.epsilon = static_cast<float>(1e-3 * radius);
+    const bool is_sum = code.steps.size() == 1 && code.steps[0].kind == Instruction::Kind::blobs && code.steps[0].space == 0;
+    if (is_sum)
+      add_blobs(code.blobs, cell, out);
+    else
+      add_code(code, cell, out);
+    out.cells.push_back(cell);
+  }
+
+  void add_blobs(const std::vector<uint32_t>& list, Cell& cell, ShapeCells& out) const {
+    const BlobArrays& s = program_.blobs;
+    bool pure = true;
+    for (const uint32_t i : list) pure = pure && s.b[i] == 0 && s.a[i] > 0;
+    const size_t n = (list.size() + k_blob_group - 1) / k_blob_group * k_blob_group;
+    cell.content = pure ? Cell::Content::pure_blobs : Cell::Content::mixed_blobs;
+    cell.count = static_cast<uint32_t>(n), cell.first = out.blob_data.size();
+    out.blob_data.resize(out.blob_data.size() + n * (pure ? 5 : 7));
+    float* data = out.blob_data.data() + cell.first;
+    for (size_t j = 0; j < n; ++j) {
+      if (j >= list.size()) { // padding: s < 0 is 0 everywhere
+        data[3 * n + j] = -1;
+        continue;
+      }
+      const uint32_t i = list[j];
+      const float root = pure ? std::sqrt(s.a[i]) : 1;
+      data[j] = s.x[i], data[n + j] = s.y[i], data[2 * n + j] = s.z[i];
+      data[3 * n + j] = root, data[4 * n + j] = root * s.k[i];
+      if (!pure) data[5 * n + j] = s.a[i], data[6 * n + j] = s.b[i];
+    }
+  }
+
+  static void add_code(const Code& code, Cell& cell, ShapeCells& out) {
+    cell.count = static_cast<uint32_t>(code.steps.size()), cell.first = out.steps.size();
+    const auto operands = static_cast<uint32_t>(out.operands.size()), blobs = static_cast<uint32_t>(out.blob_indices.size());
+    for (Instruction step : code.steps) {
+      step.first += step.kind == Instruction::Kind::blobs ? blobs : operands;
+      out.steps.push_back(step);
+    }
+    out.operands.insert(out.operands.end(), code.operands.begin(), code.operands.end());
+    out.blob_indices.insert(out.blob_indices.end(), code.blobs.begin(), code.blobs.end());
+  }
+
+  static size_t element_count(const Code& code) {
+    size_t n = code.blobs.size();
+    for (const Instruction& s : code.steps) n += s.kind == Instruction::Kind::skeleton;
+    return n;
+  }
+
+  /// The smallest radius of influence (half the smallest side of a skeleton's support) in world units.
+  double smallest_radius(const Code& code) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Instruction& step : code.steps) {
+      const double scale = step.space == 0 ? 1 : smallest_scale(program_.spaces[step.space]);
+      if (step.kind == Instruction::Kind::blobs)
+        for (uint32_t j = 0; j < step.count; ++j) least = std::min(least, scale * program_.blobs.radius[code.blobs[step.first + j]]);
+      else if (step.kind == Instruction::Kind::skeleton)
+        least = std::min(least, scale * skeleton_radius(step.node));
+    }
+    return std::isfinite(least) ? least : program_.support.diagonal();
+  }
+
+  double skeleton_radius(uint32_t node) const {
+    return std::visit(
+        [](const auto& kind) -> double {
+          if constexpr (Skeleton<std::decay_t<decltype(kind)>>) {
+            const Vec3 e = kind.support().extent();
+            return 0.5 * std::min({e.x, e.y, e.z});
+          }
+          return 0;
+        },
+        program_.field.nodes[node]);
+  }
+
+  /// A lower bound of what the map from a space to the world does to lengths (the Frobenius norm of the
+  /// inverse bounds its largest singular value).
+  static double smallest_scale(const Affine& local_from_world) {
+    double sum = 0;
+    for (int i = 0; i < 3; ++i) sum += glm::dot(local_from_world.linear[i], local_from_world.linear[i]);
+    return 1 / std::sqrt(sum);
+  }
+
+  const FieldProgram& program_;
+  const CellLimits& limits_;
+};
+
+} // namespace
+
+ShapeCells build_cells(FieldProgram program, const CellLimits& limits) {
+  ShapeCells out;
+  if (!program.support.is_empty()) {
+    // Off the round numbers that scenes are made of: a surface in the plane between two cells is legal but slow.
+    const double pad = 1e-3 * program.support.diagonal() + 1e-6;
+    Box3d box = program.support.padded(pad);
+    box.upper += Vec3d(0.31, 0.17, 0.23) * pad;
+    Builder(program, limits).build(box, program.code, 0, out);
+  }
+  out.program = std::move(program);
+  return out;
+}
+
+} // namespace kelpie

@@ -1,0 +1,48 @@
+// The cells of all shapes as Embree user geometry: one geometry a shape, one primitive a cell. The only
+// file that knows Embree is the one behind this header.
+#pragma once
+
+#include <memory>
+
+#include "renderer/trace/solve.h"
+
+namespace kelpie {
+
+struct Ray {
+  Vec3 origin, direction; ///< direction: a unit vector
+  float t_near = 0, t_far = std::numeric_limits<float>::infinity();
+  bool from_inside = false; ///< starts inside every shape that it can meet from within; see RaySegment
+};
+
+struct CellHit {
+  float t = 0;
+  uint32_t shape = 0; ///< index into the shapes that the scene was made of
+  uint32_t cell = 0;
+};
+
+class CellScene {
+public:
+  /// Takes the shapes' cells. Throws std::bad_alloc when Embree runs out of memory.
+  explicit CellScene(std::vector<ShapeCells> shapes);
+  ~CellScene();
+  CellScene(CellScene&&) noexcept;
+  CellScene& operator=(CellScene&&) noexcept;
+
+  /// The first surface that the ray meets.
+  bool intersect(const Ray&, SolveCounters&, CellHit&) const;
+  /// Whether it meets any.
+  bool occluded(const Ray&, SolveCounters&) const;
+
+  const std::vector<ShapeCells>& shapes() const;
+  /// Bytes of Embree's own structures and of the cells.
+  size_t bytes() const;
+
+private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Embree wants denormals flushed in every thread that calls it; the solvers are faster so, too.
+void flush_denormals_in_this_thread();
+
+} // namespace kelpie

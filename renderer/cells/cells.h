@@ -1,0 +1,55 @@
+// Cells: disjoint boxes that hold all of a shape's surface, each with the part of its program that
+// matters there. They are what Embree sees.
+#pragma once
+
+#include "base/box.h"
+#include "renderer/program/evaluate.h"
+
+namespace kelpie {
+
+/// Lists are padded to whole groups of this many blobs, so that any vector width reads them whole.
+inline constexpr uint32_t k_blob_group = 16;
+
+struct Cell {
+  enum class Content : uint32_t {
+    pure_blobs,  ///< a sum of quartic blobs of positive weight: arrays x y z s k with f = sum max(0, s - k d^2)^2
+    mixed_blobs, ///< a sum of any blobs: arrays x y z s=1 k a b with f = sum q^2 (a + b q), q = max(0, s - k d^2)
+    code,        ///< anything else
+  };
+  Box3 box;
+  Content content = Content::code;
+  uint32_t count = 0;  ///< blobs, padding included; or steps
+  uint64_t first = 0;  ///< into ShapeCells::blob_data or ::steps
+  float epsilon = 0;   ///< offset of secondary rays along the normal: 1e-3 of the smallest radius of influence
+};
+
+/// All cells of one shape. The code of a cell refers to `operands` and `blob_indices` from their starts.
+struct ShapeCells {
+  FieldProgram program;
+  std::vector<Cell> cells;
+  std::vector<float> blob_data;
+  std::vector<Instruction> steps;
+  std::vector<uint32_t> operands, blob_indices;
+
+  CodeView code(const Cell& c) const {
+    CodeView view;
+    view.steps = std::span(steps).subspan(c.first, c.count), view.operands = operands, view.blobs = blob_indices;
+    return view;
+  }
+  const float* blobs(const Cell& c) const { return blob_data.data() + c.first; }
+  size_t bytes() const;
+};
+
+/// How far space is subdivided.
+struct CellLimits {
+  uint32_t elements = 16;      ///< few enough elements make a cell a leaf…
+  float side_in_radii = 0.5f;  ///< …and so does a side below this many radii of influence of its smallest element
+  int depth = 24;
+};
+
+/// Subdivides the support of a program from the top down: every cell is bounded and pruned; those proved
+/// empty or full are dropped. Parallel within the current TBB arena; the result does not depend on the
+/// number of threads.
+ShapeCells build_cells(FieldProgram program, const CellLimits& limits = {});
+
+} // namespace kelpie

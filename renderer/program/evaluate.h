@@ -1,0 +1,75 @@
+// Evaluates code for any number type: double (values), Dual<double, 3> (gradients), Interval and
+// Dual<Interval, 1> (bounds). One formula a kind serves them all.
+#pragma once
+
+#include "renderer/program/program.h"
+
+namespace kelpie {
+
+/// A view of code, full or pruned, whose arrays live elsewhere.
+struct CodeView {
+  std::span<const Instruction> steps;
+  std::span<const uint32_t> operands;
+  std::span<const uint32_t> blobs;
+
+  CodeView() = default;
+  CodeView(const Code& c) : steps(c.steps), operands(c.operands), blobs(c.blobs) {} // NOLINT: code is viewed as code
+};
+
+/// The sum of blobs at p.
+template <class Real>
+Real sum_of_blobs(const BlobArrays& blobs, std::span<const uint32_t> list, const Point3<Real>& p) {
+  Real sum(0.0);
+  for (const uint32_t i : list) {
+    const Real d2 = square(p.x - Real(blobs.x[i])) + square(p.y - Real(blobs.y[i])) + square(p.z - Real(blobs.z[i]));
+    const Real q = max(Real(0.0), Real(1.0) - d2 * double(blobs.k[i]));
+    sum = sum + square(q) * (Real(blobs.a[i]) + q * double(blobs.b[i]));
+  }
+  return sum;
+}
+
+/// The value of one step, given those of the steps before it. `operands` is scratch.
+template <class Real>
+Real evaluate_step(const FieldProgram& program, const CodeView& code, const Instruction& step, const Point3<Real>& p, const std::vector<Real>& values,
+                   std::vector<Real>& operands) {
+  const Point3<Real> local = step.space == 0 ? p : program.spaces[step.space].apply(p);
+  switch (step.kind) {
+  case Instruction::Kind::blobs: return sum_of_blobs(program.blobs, code.blobs.subspan(step.first, step.count), local);
+  case Instruction::Kind::skeleton:
+    return std::visit(
+        [&](const auto& kind) {
+          if constexpr (Skeleton<std::decay_t<decltype(kind)>>) return kind.potential(local);
+          return Real(0.0);
+        },
+        program.field.nodes[step.node]);
+  case Instruction::Kind::combine:
+    operands.clear();
+    for (uint32_t i = 0; i < step.count; ++i) operands.push_back(values[code.operands[step.first + i]]);
+    return std::visit(
+        [&](const auto& kind) {
+          if constexpr (Operator<std::decay_t<decltype(kind)>>)
+            return kind.combine(std::span<const Real>(operands), program.threshold);
+          return Real(0.0);
+        },
+        program.field.nodes[step.node]);
+  }
+  return Real(0.0);
+}
+
+/// The field (not minus the threshold) at p.
+template <class Real>
+Real evaluate(const FieldProgram& program, const CodeView& code, const Point3<Real>& p) {
+  thread_local std::vector<Real> values, operands;
+  values.clear();
+  for (const Instruction& step : code.steps) values.push_back(evaluate_step(program, code, step, p, values, operands));
+  return values.back();
+}
+
+/// The gradient of the field at p, per scene unit.
+inline Vec3d gradient(const FieldProgram& program, const CodeView& code, const Vec3d& p) {
+  using D = Dual<double, 3>;
+  const D f = evaluate(program, code, Point3<D>{D::variable(p.x, 0), D::variable(p.y, 1), D::variable(p.z, 2)});
+  return {f.d[0], f.d[1], f.d[2]};
+}
+
+} // namespace kelpie

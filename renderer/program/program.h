@@ -1,0 +1,57 @@
+// A field, compiled for one frame: a flat program in post-order.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "scene/scene.h"
+
+namespace kelpie {
+
+/// The blobs of a program in structure-of-arrays form. The potential of one is q^2 (a + b q) with
+/// q = max(0, 1 - |p - centre|^2 k): the weight is folded into the falloff's polynomial.
+struct BlobArrays {
+  std::vector<float> x, y, z, radius, k, a, b;
+
+  size_t size() const { return x.size(); }
+  void push(const Blob&);
+};
+
+/// One step of a program; its value is stored at its own position.
+struct Instruction {
+  enum class Kind : uint32_t {
+    blobs,    ///< the sum of blobs  [first, first + count) of the blob list; 0 if count is 0
+    skeleton, ///< the potential of the skeleton `node`
+    combine,  ///< the operator `node` on the values of the steps [first, first + count) of the operand list
+  };
+  Kind kind = Kind::blobs;
+  uint32_t node = 0;  ///< into FieldProgram::field.nodes
+  uint32_t space = 0; ///< into FieldProgram::spaces: where the blobs or the skeleton live
+  uint32_t first = 0, count = 0;
+};
+
+/// Steps in post-order (the last one is the field), with what they refer to.
+struct Code {
+  std::vector<Instruction> steps;
+  std::vector<uint32_t> operands; ///< positions of steps
+  std::vector<uint32_t> blobs;    ///< indices into FieldProgram::blobs
+};
+
+/// The compiled field of one shape. Leaves refer to `field`, so it is held here.
+struct FieldProgram {
+  double threshold = 1;
+  SampledField field;
+  BlobArrays blobs;
+  std::vector<Affine> spaces; ///< local from world; the first is the identity
+  Code code;                  ///< everything, not pruned
+  Box3d support;              ///< the field is at most 0 outside
+
+  /// Number of blobs and skeletons.
+  size_t element_count() const;
+};
+
+/// Compiles a sampled field: affine warps are folded into the leaves (into the blobs themselves where the
+/// warp is a similarity), nested blends become one sum, and all blobs of a sum one step.
+FieldProgram compile(SampledField field, double threshold);
+
+} // namespace kelpie

@@ -1,0 +1,97 @@
+#include "renderer/trace/tracer.h"
+
+namespace kelpie {
+
+namespace {
+
+std::vector<ShapeCells> build_all(const FrameScene& frame, const CellLimits& limits) {
+  std::vector<ShapeCells> all;
+  for (const SampledShape& shape : frame.shapes)
+    if (!shape.field.nodes.empty()) all.push_back(build_cells(compile(shape.field, shape.threshold), limits));
+  return all;
+}
+
+/// Positions are rounded to float; an offset must not drown in that.
+float rounding_at(const Vec3& p, float t) { return 5e-7f * (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) + t); }
+
+} // namespace
+
+Tracer::Tracer(const FrameScene& frame, const CellLimits& limits) : cells_(build_all(frame, limits)) {
+  for (uint32_t i = 0; i < frame.shapes.size(); ++i) {
+    const SampledShape& shape = frame.shapes[i];
+    if (!shape.field.nodes.empty()) shape_of_cells_.push_back(i);
+    if (shape.geometry) {
+      const auto& plane = std::get<Plane<SampledMode>>(*shape.geometry);
+      planes_.push_back({plane.position, glm::normalize(plane.normal), i});
+    }
+  }
+  for (const ShapeCells& s : cells_.shapes())
+    for (const Cell& cell : s.cells) bounds_.extend(cell.box);
+}
+
+bool Tracer::intersect(const Ray& ray, SolveCounters& counters, Hit& hit) const {
+  hit.t = ray.t_far;
+  const bool on_plane = meet_planes(ray, hit);
+  Ray shortened = ray;
+  shortened.t_far = hit.t;
+  CellHit cell_hit;
+  if (!cells_.intersect(shortened, counters, cell_hit)) return on_plane;
+  complete(ray, cell_hit, hit);
+  return true;
+}
+
+bool Tracer::occluded(const Ray& ray, SolveCounters& counters) const {
+  Hit hit;
+  hit.t = ray.t_far;
+  return meet_planes(ray, hit) || cells_.occluded(ray, counters);
+}
+
+bool Tracer::meet_planes(const Ray& ray, Hit& hit) const {
+  bool found = false;
+  for (const PlaneShape& plane : planes_) {
+    const float across = glm::dot(ray.direction, plane.normal);
+    const float t = glm::dot(plane.position - ray.origin, plane.normal) / across;
+    if (!(t > ray.t_near && t < hit.t)) continue; // false for the NaN of a ray in the plane, too
+    found = true;
+    hit.t = t, hit.shape = plane.shape, hit.normal = plane.normal;
+    hit.position = ray.origin + t * ray.direction;
+    hit.position -= glm::dot(hit.position - plane.position, plane.normal) * plane.normal;
+    hit.epsilon = 1e-5f + rounding_at(hit.position, t);
+  }
+  return found;
+}
+
+void Tracer::complete(const Ray& ray, const CellHit& cell_hit, Hit& hit) const {
+  const ShapeCells& shape = cells_.shapes()[cell_hit.shape];
+  const Cell& cell = shape.cells[cell_hit.cell];
+  hit.t = cell_hit.t;
+  hit.shape = shape_of_cells_[cell_hit.shape];
+  hit.position = ray.origin + hit.t * ray.direction;
+  const Vec3 g = cell_gradient(shape, cell, hit.position);
+  const float length = glm::length(g);
+  // A vanishing gradient (a crease's exact middle): facing the ray is the best there is.
+  hit.normal = length > 0 ? -g / length : -ray.direction;
+  hit.epsilon = cell.epsilon + rounding_at(hit.position, hit.t);
+}
+
+bool Tracer::is_inside(const Vec3& p) const {
+  for (const ShapeCells& s : cells_.shapes())
+    if (s.program.support.contains(Vec3d(p)) &&
+        evaluate(s.program, s.program.code, Point3<double>{p.x, p.y, p.z}) > s.program.threshold)
+      return true;
+  return false;
+}
+
+size_t Tracer::cell_count() const {
+  size_t n = 0;
+  for (const ShapeCells& s : cells_.shapes()) n += s.cells.size();
+  return n;
+}
+
+size_t Tracer::element_count() const {
+  size_t n = 0;
+  for (const ShapeCells& s : cells_.shapes()) n += s.program.element_count();
+  return n;
+}
+
+} // namespace kelpie

@@ -1,0 +1,50 @@
+// The tracer: rays against everything in a frame.
+#pragma once
+
+#include "renderer/cells/cell_scene.h"
+#include "scene/scene.h"
+
+namespace kelpie {
+
+struct Hit {
+  float t = 0;
+  Vec3 position{0};
+  Vec3 normal{0};     ///< unit, geometric, out of the shape (for a plane: its upper side)
+  uint32_t shape = 0; ///< index into FrameScene::shapes
+  float epsilon = 0;  ///< offset of secondary rays along the normal, on the side where they start
+};
+
+/// The surfaces of a frame, ready for rays. Building runs in the current TBB arena.
+class Tracer {
+public:
+  explicit Tracer(const FrameScene& frame, const CellLimits& limits = {});
+
+  bool intersect(const Ray&, SolveCounters&, Hit&) const;
+  bool occluded(const Ray&, SolveCounters&) const;
+
+  /// Whether a point lies inside an implicit shape: rays from there need Ray::from_inside.
+  bool is_inside(const Vec3& p) const;
+
+  /// The box around all implicit shapes; empty if there are none.
+  const Box3& bounds() const { return bounds_; }
+  size_t cell_count() const;
+  size_t element_count() const;
+  size_t bytes() const { return cells_.bytes(); }
+
+private:
+  /// An infinite plane and the shape that it is.
+  struct PlaneShape {
+    Vec3 position, normal;
+    uint32_t shape;
+  };
+
+  bool meet_planes(const Ray&, Hit&) const;
+  void complete(const Ray&, const CellHit&, Hit&) const;
+
+  CellScene cells_;
+  std::vector<uint32_t> shape_of_cells_; ///< which shape of the frame each of the cells' shapes is
+  std::vector<PlaneShape> planes_;
+  Box3 bounds_;
+};
+
+} // namespace kelpie
