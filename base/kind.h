@@ -11,11 +11,13 @@
 // Rejected: self-registration by static objects (order undefined, lost in static libraries).
 #pragma once
 
+#include <array>
 #include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -60,16 +62,26 @@ struct Range {
   }
 };
 
-/// One row of a kind's table. `T` is the member's type: Value<Mode, float|Vec3|Colour>, int, bool,
-/// std::string, AssetPath, Mode::Child, Mode::Children, or an enumeration with EnumNames.
-template <class Owner, class T>
-struct Parameter {
+/// What a row of a table says about its parameter, whatever its type.
+struct ParameterRules {
   std::string_view name;
-  T Owner::*member;
   std::string_view doc;
   Unit unit = Unit::none;
-  Range range{};
-  bool is_required = false;
+  Range range{};                  ///< of a number, or of each component of a vector or colour
+  bool is_required = false;       ///< with an alternative: one of the two is required
+  bool is_nonzero = false;        ///< a direction: the zero vector has none
+  bool is_number_for_all = false; ///< a vector that may be given as one number for all components
+  std::string_view alternative{}; ///< the parameter that excludes this one
+};
+
+/// One row of a kind's table. `T` is the member's type: Value<Mode, float|Vec3|Colour>, int, double, bool,
+/// std::string, AssetPath, Vec2i, an enumeration with EnumNames, Mode::Child, Mode::Children, the variant of
+/// a KindList, another struct with a table, or a std::vector or std::optional of such.
+template <class Owner, class T>
+struct Parameter : ParameterRules {
+  T Owner::*member;
+
+  constexpr Parameter(std::string_view name_, T Owner::*member_, std::string_view doc_) : ParameterRules{name_, doc_}, member(member_) {}
 
   constexpr Parameter in(Unit u) const { auto p = *this; p.unit = u; return p; }
   constexpr Parameter at_least(double v) const { auto p = *this; p.range.lower = v; return p; }
@@ -77,6 +89,10 @@ struct Parameter {
   constexpr Parameter at_most(double v) const { auto p = *this; p.range.upper = v; return p; }
   constexpr Parameter below(double v) const { auto p = *this; p.range.upper = v; p.range.upper_open = true; return p; }
   constexpr Parameter required() const { auto p = *this; p.is_required = true; return p; }
+  constexpr Parameter nonzero() const { auto p = *this; p.is_nonzero = true; return p; }
+  constexpr Parameter or_number_for_all() const { auto p = *this; p.is_number_for_all = true; return p; }
+  /// Excludes `other`, whose row says the same of this one.
+  constexpr Parameter alternative_to(std::string_view other) const { auto p = *this; p.alternative = other; return p; }
 };
 
 template <class Owner, class T>
@@ -95,6 +111,12 @@ struct AssetPath {
 ///   static constexpr std::array<std::pair<std::string_view, E>, n> values{…};
 template <class E>
 struct EnumNames;
+
+template <>
+struct EnumNames<Interpolation> {
+  static constexpr std::array<std::pair<std::string_view, Interpolation>, 3> values{
+      {{"linear", Interpolation::linear}, {"step", Interpolation::step}, {"hermite", Interpolation::hermite}}};
+};
 
 /// A compile-time list of kinds.
 template <template <class> class... Kinds>

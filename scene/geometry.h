@@ -17,7 +17,7 @@ struct Plane {
   static constexpr auto parameters() {
     return std::tuple{
         parameter("position", &Plane::position, "a point of the plane").in(Unit::length),
-        parameter("normal", &Plane::normal, "its upper side; need not be a unit vector, may not be zero"),
+        parameter("normal", &Plane::normal, "its upper side; need not be a unit vector").nonzero(),
     };
   }
 };

@@ -32,8 +32,8 @@ The middle of the map lies in the direction -z, its top is +y.)";
 
   static constexpr auto parameters() {
     return std::tuple{
-        parameter("file", &EnvironmentLight::file, "the map (.hdr: linear Rec.709; .exr: as its header says, else linear Rec.709)"),
-        parameter("preset", &EnvironmentLight::preset, "used when there is no file"),
+        parameter("file", &EnvironmentLight::file, "the map (.hdr: linear Rec.709; .exr: as its header says, else linear Rec.709)").alternative_to("preset"),
+        parameter("preset", &EnvironmentLight::preset, "an environment that needs no file").alternative_to("file"),
         parameter("strength", &EnvironmentLight::strength, "factor of the map's radiance").at_least(0),
         parameter("rotation", &EnvironmentLight::rotation, "turns the map about +y").in(Unit::degrees),
     };
@@ -52,7 +52,7 @@ struct SunLight {
 
   static constexpr auto parameters() {
     return std::tuple{
-        parameter("direction", &SunLight::direction, "points towards the sun"),
+        parameter("direction", &SunLight::direction, "points towards the sun").nonzero(),
         parameter("colour", &SunLight::colour, "colour of the light").at_least(0),
         parameter("strength", &SunLight::strength, "irradiance on a surface that faces the sun").at_least(0),
         parameter("angle", &SunLight::angle, "angular diameter; 0: sharp shadows").in(Unit::degrees).at_least(0).at_most(90),

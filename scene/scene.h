@@ -13,29 +13,78 @@
 
 namespace kelpie {
 
+// The parts of a scene file have tables as kinds have: what is said of them is said once.
+
 /// Either an implicit shape (`field`) or ordinary geometry.
 struct Shape {
+  static constexpr std::string_view k_name = "shape";
+  static constexpr std::string_view k_doc = R"(A thing to see: a field and the threshold at which it has its surface, or ordinary geometry.
+
+The surface is where the potential equals the threshold; inside it is larger.)";
+
   std::string name;
   Animated<float> threshold{1.f};
-  FieldPtr field;                                              ///< null where `geometry` is set
+  FieldPtr field;                                               ///< null where `geometry` is set
   std::optional<GeometryKinds::Variant<AnimatedMode>> geometry; ///< none where `field` is set
   SurfaceKinds::Variant<AnimatedMode> surface{Matte<AnimatedMode>{}};
   SourcePosition where;
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("name", &Shape::name, "what it is called; no two shapes share a name").required(),
+        parameter("threshold", &Shape::threshold, "the potential at the surface of `field`").above(0),
+        parameter("field", &Shape::field, "an implicit shape").alternative_to("geometry").required(),
+        parameter("geometry", &Shape::geometry, "ordinary geometry").alternative_to("field").required(),
+        parameter("surface", &Shape::surface, "what it is made of"),
+    };
+  }
 };
 
 struct Frames {
+  static constexpr std::string_view k_name = "frames";
+  static constexpr std::string_view k_doc = "The frames that are rendered unless the command line names others.";
+
   int first = 1, last = 1;
   double fps = 24;
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("first", &Frames::first, "the first frame").in(Unit::frames),
+        parameter("last", &Frames::last, "the last frame").in(Unit::frames),
+        parameter("fps", &Frames::fps, "frames per second").above(0).at_most(1000),
+    };
+  }
 };
 
 struct Scene {
+  static constexpr std::string_view k_name = "scene";
+  static constexpr std::string_view k_doc = R"(What a scene file holds, as JSON with comments.
+
+World space is right-handed, y up. Files that a scene names are relative to it.)";
+
+  using Light = LightKinds::Variant<AnimatedMode>;
+
+  int version = 1;
+  std::string schema;
   Frames frames;
   Camera<AnimatedMode> camera;
   Film<AnimatedMode> film;
-  std::vector<LightKinds::Variant<AnimatedMode>> lights;
+  std::vector<Light> lights;
   std::vector<Shape> shapes;
   /// Hash of everything that pictures depend on: the document and the bytes of its assets.
   std::string hash;
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("kelpie", &Scene::version, "version of the format").at_least(1).at_most(1).required(),
+        parameter("$schema", &Scene::schema, "where editors find the format's JSON schema (`kelpie schema`); not used otherwise"),
+        parameter("frames", &Scene::frames, "which frames there are"),
+        parameter("camera", &Scene::camera, "where the picture is taken from"),
+        parameter("film", &Scene::film, "size and quality of the picture"),
+        parameter("lights", &Scene::lights, "all lights; where there is none, the studio environment lights the scene"),
+        parameter("shapes", &Scene::shapes, "all there is to see").required(),
+    };
+  }
 };
 
 // --- at one moment ---
@@ -43,7 +92,7 @@ struct Scene {
 struct SampledShape {
   std::string name;
   float threshold = 1;
-  SampledField field;                                         ///< no nodes where `geometry` is set
+  SampledField field; ///< no nodes where `geometry` is set
   std::optional<GeometryKinds::Variant<SampledMode>> geometry;
   SurfaceKinds::Variant<SampledMode> surface{Matte<SampledMode>{}};
 };

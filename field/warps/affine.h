@@ -57,7 +57,7 @@ struct Rotate {
 
   static constexpr auto parameters() {
     return std::tuple{
-        parameter("axis", &Rotate::axis, "direction of the axis; need not be a unit vector, may not be zero"),
+        parameter("axis", &Rotate::axis, "direction of the axis; need not be a unit vector").nonzero(),
         parameter("angle", &Rotate::angle, "angle of rotation").in(Unit::degrees).required(),
         parameter("centre", &Rotate::centre, "a point on the axis").in(Unit::length),
         parameter("child", &Rotate::child, "the field to turn").required(),
@@ -83,7 +83,7 @@ struct Scale {
 
   static constexpr auto parameters() {
     return std::tuple{
-        parameter("by", &Scale::by, "a factor for each axis").above(0).required(),
+        parameter("by", &Scale::by, "a factor for each axis, or one for all").above(0).or_number_for_all().required(),
         parameter("centre", &Scale::centre, "the point that stays").in(Unit::length),
         parameter("child", &Scale::child, "the field to scale").required(),
     };
