@@ -17,7 +17,10 @@ std::string to_string(const Problem& p) {
 namespace {
 std::string joined(const std::vector<Problem>& problems) {
   std::string text;
-  for (const Problem& p : problems) text += (text.empty() ? "" : "\n") + to_string(p);
+  for (const Problem& p : problems) {
+    if (!text.empty()) text += '\n';
+    text += to_string(p);
+  }
   return text;
 }
 } // namespace

@@ -1,0 +1,347 @@
+// One suite over every kind of field: whatever stands in FieldKinds is held to the contracts of
+// field/kinds.h, without a line here for the kind.
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "scene/scene.h"
+#include "tests/support/random_kind.h"
+
+namespace kelpie {
+namespace {
+
+using Gradient = Dual<double, 3>;
+using GradientRange = Dual<Interval, 3>;
+
+constexpr int k_trials = 200;
+
+template <class Real>
+Point3<Real> point(const Vec3d& p) {
+  return {Real(p.x), Real(p.y), Real(p.z)};
+}
+Point3<Interval> box_point(const Box3d& b) { return {{b.lower.x, b.upper.x}, {b.lower.y, b.upper.y}, {b.lower.z, b.upper.z}}; }
+
+/// x, y and z as independent variables.
+Point3<Gradient> variables(const Vec3d& p) { return {Gradient::variable(p.x, 0), Gradient::variable(p.y, 1), Gradient::variable(p.z, 2)}; }
+Point3<GradientRange> variables(const Box3d& b) {
+  const Point3<Interval> p = box_point(b);
+  return {GradientRange::variable(p.x, 0), GradientRange::variable(p.y, 1), GradientRange::variable(p.z, 2)};
+}
+
+bool holds(Interval i, double v, double tolerance = 1e-10) { return i.lo - tolerance <= v && v <= i.hi + tolerance; }
+
+/// A box of any size around somewhere near the shape.
+Box3d random_box(Random& r, const Box3d& near) {
+  const Vec3d centre = r.in(near.padded(0.2)), half(r.log_uniform(1e-4, 1), r.log_uniform(1e-4, 1), r.log_uniform(1e-4, 1));
+  return {centre - half, centre + half};
+}
+
+/// Compares a gradient with differences of f, unless p is at a kink: where one-sided differences disagree.
+template <class Field>
+void expect_gradient(const Field& f, const Gradient& g, const Vec3d& p, int& kinks) {
+  constexpr double k_step = 1e-6;
+  for (int i = 0; i < 3; ++i) {
+    Vec3d h(0);
+    h[i] = k_step;
+    const double ahead = (f(p + h) - f(p)) / k_step, behind = (f(p) - f(p - h)) / k_step;
+    if (std::abs(ahead - behind) > 1e-3 * (1 + std::abs(ahead))) {
+      ++kinks;
+      continue;
+    }
+    EXPECT_NEAR(g.d[i], 0.5 * (ahead + behind), 1e-3 * (1 + std::abs(ahead)));
+  }
+}
+
+/// Calls test.template operator()<Kind>(name) for every kind of field.
+template <class Test>
+void for_each_field_kind(Test&& test) {
+  FieldKinds::for_each([&]<template <class> class Kind>() {
+    SCOPED_TRACE(Kind<SampledMode>::k_name);
+    test.template operator()<Kind>();
+  });
+}
+
+// --- tables ---
+
+template <class T>
+void expect_default_in_range(const T& value, const ParameterRules& rules) {
+  const auto number = [&](double v) { EXPECT_TRUE(rules.range.contains(v)) << rules.name << " = " << v; };
+  if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, unsigned>)
+    number(value);
+  else if constexpr (requires {
+                       value.length();
+                       value[0];
+                     } &&
+                     !std::is_same_v<T, std::string>)
+    for (size_t i = 0; i < static_cast<size_t>(value.length()); ++i) number(value[i]);
+  else if constexpr (std::is_same_v<T, Colour>)
+    for (int i = 0; i < 3; ++i) number(value.rgb[i]);
+}
+
+template <class Described>
+void expect_sound_table() {
+  EXPECT_FALSE(Described::k_name.empty());
+  EXPECT_FALSE(Described::k_doc.empty());
+  const Described defaults{};
+  std::set<std::string_view> names;
+  const auto row = [&](const auto& parameter) {
+    EXPECT_TRUE(names.insert(parameter.name).second) << "twice: " << parameter.name;
+    EXPECT_FALSE(parameter.name.empty());
+    EXPECT_FALSE(parameter.doc.empty()) << parameter.name;
+    EXPECT_LE(parameter.range.lower, parameter.range.upper) << parameter.name;
+    expect_default_in_range(defaults.*(parameter.member), parameter);
+  };
+  std::apply([&](const auto&... parameters) { (row(parameters), ...); }, Described::parameters());
+  const auto alternative = [&](const ParameterRules& rules) {
+    EXPECT_TRUE(rules.alternative.empty() || names.count(rules.alternative)) << rules.name;
+  };
+  std::apply([&](const auto&... parameters) { (alternative(parameters), ...); }, Described::parameters());
+}
+
+template <class List>
+void expect_sound_list() {
+  std::set<std::string_view> names;
+  List::for_each([&]<template <class> class Kind>() {
+    SCOPED_TRACE(Kind<SampledMode>::k_name);
+    EXPECT_TRUE(names.insert(Kind<SampledMode>::k_name).second);
+    expect_sound_table<Kind<SampledMode>>();
+  });
+}
+
+TEST(Conformance, TablesAreSound) {
+  expect_sound_list<FieldKinds>();
+  expect_sound_list<SurfaceKinds>();
+  expect_sound_list<LightKinds>();
+  expect_sound_list<GeometryKinds>();
+  expect_sound_table<Camera<SampledMode>>();
+  expect_sound_table<Film<SampledMode>>();
+  expect_sound_table<Shape>();
+  expect_sound_table<Frames>();
+  expect_sound_table<Scene>();
+}
+
+TEST(Conformance, EveryKindOfFieldIsOneTheEngineKnows) {
+  for_each_field_kind([]<template <class> class Kind>() {
+    using K = Kind<SampledMode>;
+    EXPECT_EQ(int(BlobSource<K>) + int(Skeleton<K>) + int(Operator<K>) + int(AffineWarp<K>), 1);
+  });
+}
+
+// --- leaves ---
+
+/// Calls test(field, support, random) for every leaf: skeletons, and the sums of blob sources.
+template <class Test>
+void for_each_leaf(Test&& test) {
+  for_each_field_kind([&]<template <class> class Kind>() {
+    using K = Kind<SampledMode>;
+    constexpr unsigned trials = Skeleton<K> ? k_trials : k_trials / 5; // a morph takes milliseconds to make
+    for (unsigned trial = 0; trial < trials && !testing::Test::HasFailure(); ++trial) {
+      SCOPED_TRACE(trial);
+      Random r(trial);
+      if constexpr (Skeleton<K>) {
+        const K kind = random_kind<Kind>(r);
+        test([&](const auto& p) { return kind.potential(p); }, Box3d{Vec3d(kind.support().lower), Vec3d(kind.support().upper)}, r);
+      } else if constexpr (BlobSource<K>) {
+        BlobCloud cloud;
+        random_kind<Kind>(r).append_blobs(cloud);
+        ASSERT_FALSE(cloud.empty());
+        const auto sum = [&]<class Real>(const Point3<Real>& p) {
+          Real f(0.0);
+          for (const Blob& b : cloud) {
+            const Real d2 = square(p.x - Real(b.centre.x)) + square(p.y - Real(b.centre.y)) + square(p.z - Real(b.centre.z));
+            f = f + double(b.weight) * falloff(b.falloff, d2 * (1 / square(double(b.radius))));
+          }
+          return f;
+        };
+        Box3 box;
+        for (const Blob& b : cloud) box.extend(support(b));
+        test(sum, Box3d{Vec3d(box.lower), Vec3d(box.upper)}, r);
+      }
+    }
+  });
+}
+
+TEST(Conformance, RangeOverABoxContainsItsSamples) {
+  for_each_leaf([](const auto& field, const Box3d& support, Random& r) {
+    const Box3d box = random_box(r, support);
+    const Interval range = field(box_point(box));
+    const GradientRange slopes = field(variables(box));
+    EXPECT_TRUE(std::isfinite(range.lo) && std::isfinite(range.hi));
+    for (int i = 0; i < 30; ++i) {
+      const Vec3d p = r.in(box);
+      EXPECT_TRUE(holds(range, field(point<double>(p))));
+      const Gradient g = field(variables(p));
+      for (int axis = 0; axis < 3; ++axis) EXPECT_TRUE(holds(slopes.d[axis], g.d[axis], 1e-8));
+    }
+  });
+}
+
+// A range that does not shrink with its box proves nothing: subdivision would never end.
+TEST(Conformance, RangeShrinksWithTheBox) {
+  for_each_leaf([](const auto& field, const Box3d& support, Random& r) {
+    const Vec3d centre = r.in(support);
+    EXPECT_LT(field(box_point({centre - 1e-7, centre + 1e-7})).width(), 1e-3);
+  });
+}
+
+TEST(Conformance, GradientAgreesWithDifferences) {
+  int kinks = 0, points = 0;
+  for_each_leaf([&](const auto& field, const Box3d& support, Random& r) {
+    for (int i = 0; i < 5; ++i, ++points) {
+      const Vec3d p = r.in(support);
+      expect_gradient([&](const Vec3d& q) { return field(point<double>(q)); }, field(variables(p)), p, kinks);
+    }
+  });
+  EXPECT_LT(kinks, points / 10) << "too few points were compared";
+}
+
+TEST(Conformance, ZeroOutsideTheSupport) {
+  for_each_leaf([](const auto& field, const Box3d& support, Random& r) {
+    for (int i = 0; i < 50; ++i) {
+      const Vec3d p = r.in(support.padded(0.1 * support.diagonal()));
+      if (!support.contains(p)) {
+        EXPECT_EQ(field(point<double>(p)), 0);
+      }
+    }
+  });
+}
+
+// --- falloffs ---
+
+TEST(Conformance, FalloffsKeepTheirBoundsOfSlopeAndCurvature) {
+  for (const auto& [name, kind] : EnumNames<Falloff>::values) {
+    SCOPED_TRACE(name);
+    const Falloff f = kind;
+    const auto at = [&](double r2) { return falloff(f, r2); };
+    EXPECT_EQ(at(0), 1);
+    EXPECT_EQ(at(1), 0);
+    EXPECT_EQ(at(1.5), 0);
+    constexpr double k_step = 1e-4;
+    double slope = 0, least = 0, most = 0;
+    // Lines at every distance from the centre: a line's f is falloff(distance^2 + t^2).
+    for (double distance = 0; distance < 1; distance += 1.0 / 128)
+      for (double t = 0; t < 1; t += 1.0 / 1024) {
+        const double d2 = square(distance), here = at(d2 + square(t)), ahead = at(d2 + square(t + k_step)),
+                     behind = at(d2 + square(t - k_step));
+        slope = std::max(slope, std::abs(ahead - behind) / (2 * k_step));
+        const double curve = (ahead - 2 * here + behind) / square(k_step);
+        least = std::min(least, curve), most = std::max(most, curve);
+      }
+    const FalloffCurvature bounds = curvature(f);
+    // Bounds hold, and are not slack by more than half a per cent. (1e-3: the differences' own error.)
+    EXPECT_LE(slope, steepest(f).most);
+    EXPECT_GE(slope, 0.995 * steepest(f).most);
+    EXPECT_GE(least, -bounds.c_plus * (1 + 1e-3));
+    EXPECT_LE(least, -bounds.c_plus * 0.995);
+    EXPECT_LE(most, bounds.c_minus * (1 + 1e-3));
+    EXPECT_GE(most, bounds.c_minus * 0.995);
+    const FalloffPolynomial p = polynomial(f);
+    for (double u = 0; u < 1; u += 1.0 / 64) EXPECT_NEAR(at(u), square(1 - u) * (p.a + p.b * (1 - u)), 1e-14);
+  }
+}
+
+// --- operators ---
+
+struct Operands {
+  double threshold;
+  std::vector<Interval> ranges;
+
+  explicit Operands(Random& r) : threshold(r.uniform(0.2, 2)), ranges(1 + r.below(5)) {
+    for (Interval& i : ranges) {
+      const double a = r.uniform(-1, 3), width = r.below(4) ? r.log_uniform(1e-3, 2) : 0;
+      i = r.below(5) ? Interval{a, a + width} : Interval{0, 0}; // often one does not reach the cell
+    }
+  }
+  std::vector<double> sample(Random& r) const {
+    std::vector<double> f;
+    for (const Interval& i : ranges) f.push_back(r.uniform(i.lo, std::nextafter(i.hi, INFINITY)));
+    return f;
+  }
+};
+
+template <class Test>
+void for_each_operator(Test&& test) {
+  for_each_field_kind([&]<template <class> class Kind>() {
+    if constexpr (Operator<Kind<SampledMode>>)
+      for (unsigned trial = 0; trial < 10 * k_trials && !testing::Test::HasFailure(); ++trial) {
+        SCOPED_TRACE(trial);
+        Random r(trial);
+        const Kind<SampledMode> kind = random_kind<Kind>(r);
+        test(kind, Operands(r), r);
+      }
+  });
+}
+
+TEST(Conformance, OperatorsBoundTheirValues) {
+  for_each_operator([](const auto& kind, const Operands& operands, Random& r) {
+    const Interval range = kind.combine(std::span<const Interval>(operands.ranges), operands.threshold);
+    for (int i = 0; i < 20; ++i) {
+      const std::vector<double> f = operands.sample(r);
+      EXPECT_TRUE(holds(range, kind.combine(std::span<const double>(f), operands.threshold)));
+    }
+  });
+}
+
+TEST(Conformance, OperatorsDifferentiate) {
+  int kinks = 0;
+  for_each_operator([&](const auto& kind, const Operands& operands, Random& r) {
+    const std::vector<double> f = operands.sample(r);
+    const auto along = [&](const Vec3d& p) { // operands that move linearly with three variables
+      std::vector<double> moved = f;
+      for (size_t i = 0; i < f.size(); ++i) moved[i] += p[i % 3] * double(1 + i);
+      return kind.combine(std::span<const double>(moved), operands.threshold);
+    };
+    std::vector<Gradient> duals;
+    for (size_t i = 0; i < f.size(); ++i) duals.push_back(Gradient(f[i]) + Gradient::variable(0, int(i % 3)) * double(1 + i));
+    expect_gradient(along, kind.combine(std::span<const Gradient>(duals), operands.threshold), Vec3d(0), kinks);
+  });
+}
+
+// What is pruned cannot matter: the value is the same, or where only the side is asked for, the side.
+TEST(Conformance, OperatorsKeepWhatMatters) {
+  for_each_operator([](const auto& kind, const Operands& operands, Random& r) {
+    for (const Demand demand : {Demand::value, Demand::sign}) {
+      std::vector<char> kept(operands.ranges.size(), true);
+      kind.keep(operands.ranges, operands.threshold, demand, kept);
+      for (int i = 0; i < 20; ++i) {
+        const std::vector<double> f = operands.sample(r);
+        std::vector<double> rest;
+        for (size_t k = 0; k < f.size(); ++k)
+          if (kept[k]) rest.push_back(f[k]);
+        const double whole = kind.combine(std::span<const double>(f), operands.threshold);
+        const double pruned = rest.empty() ? 0 : kind.combine(std::span<const double>(rest), operands.threshold);
+        if (demand == Demand::value && !rest.empty()) {
+          EXPECT_NEAR(whole, pruned, 1e-12);
+        } else if (demand == Demand::value) {
+          EXPECT_LE(whole, 1e-12); // nothing reaches the cell
+        } else {
+          EXPECT_EQ(whole > operands.threshold, pruned > operands.threshold);
+        }
+      }
+    }
+  });
+}
+
+// --- warps ---
+
+TEST(Conformance, AffineWarpsInvert) {
+  for_each_field_kind([&]<template <class> class Kind>() {
+    if constexpr (AffineWarp<Kind<SampledMode>>)
+      for (unsigned trial = 0; trial < k_trials; ++trial) {
+        SCOPED_TRACE(trial);
+        Random r(trial);
+        const Affine forward = random_kind<Kind>(r).parent_from_child(), back = inverse(forward);
+        const Box3d box = random_box(r, {Vec3d(-2), Vec3d(2)});
+        const Point3<Interval> range = forward.apply(box_point(box));
+        for (int i = 0; i < 20; ++i) {
+          const Vec3d p = r.in(box), q = forward(p);
+          EXPECT_LT(glm::distance(back(q), p), 1e-10);
+          EXPECT_LT(glm::distance((back * forward)(p), p), 1e-10);
+          EXPECT_TRUE(holds(range.x, q.x) && holds(range.y, q.y) && holds(range.z, q.z));
+        }
+      }
+  });
+}
+
+} // namespace
+} // namespace kelpie

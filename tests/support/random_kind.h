@@ -1,0 +1,77 @@
+// Kinds with random parameters, drawn from the ranges of their own tables.
+#pragma once
+
+#include <algorithm>
+#include <random>
+#include <string_view>
+
+#include "scene/field_node.h"
+
+namespace kelpie {
+
+/// The seed is the trial's number, so a failure names what reproduces it.
+class Random {
+public:
+  explicit Random(unsigned trial) : engine_(trial) {}
+
+  double uniform(double lower, double upper) { return std::uniform_real_distribution<>(lower, upper)(engine_); }
+  int below(int n) { return std::uniform_int_distribution<>(0, n - 1)(engine_); }
+  /// Over orders of magnitude.
+  double log_uniform(double lower, double upper) { return std::exp(uniform(std::log(lower), std::log(upper))); }
+  Vec3d in(const Box3d& b) { return {uniform(b.lower.x, b.upper.x), uniform(b.lower.y, b.upper.y), uniform(b.lower.z, b.upper.z)}; }
+  Vec3d direction() {
+    for (;;) {
+      const Vec3d v = in({Vec3d(-1), Vec3d(1)});
+      const double length = glm::length(v);
+      if (length > 0.1 && length < 1) return v / length;
+    }
+  }
+
+  /// A value that `range` allows, of moderate size.
+  double in(const Range& range) {
+    constexpr double k_reach = 2;
+    double lower = std::max(range.lower, -k_reach), upper = std::min(range.upper, k_reach);
+    if (!(lower < upper)) lower = range.lower, upper = std::isfinite(range.upper) ? range.upper : range.lower + k_reach;
+    const double margin = 0.05 * (upper - lower); // off the open ends
+    return uniform(lower + (range.lower_open ? margin : 0), upper - (range.upper_open ? margin : 0));
+  }
+
+private:
+  std::mt19937_64 engine_;
+};
+
+inline BlobCloud random_cloud(Random& r, int count, double lowest_weight) {
+  BlobCloud cloud(count);
+  for (Blob& b : cloud)
+    b = {Vec3(r.in(Box3d{Vec3d(-1), Vec3d(1)})), float(r.uniform(0.2, 0.8)), float(r.uniform(lowest_weight, 2)), Falloff(r.below(3))};
+  return cloud;
+}
+
+/// Draws one parameter. Files, names and children are left as they are.
+template <class T>
+void randomise(T& member, const ParameterRules& rules, Random& r) {
+  if constexpr (std::is_same_v<T, bool>)
+    member = r.below(2) == 1;
+  else if constexpr (std::is_floating_point_v<T>)
+    member = static_cast<T>(r.in(rules.range));
+  else if constexpr (std::is_integral_v<T> && !std::is_same_v<T, unsigned>)
+    member = static_cast<T>(std::lround(r.in(rules.range)));
+  else if constexpr (std::is_enum_v<T>)
+    member = EnumNames<T>::values[r.below(static_cast<int>(EnumNames<T>::values.size()))].second;
+  else if constexpr (std::is_same_v<T, Vec3>)
+    for (int i = 0; i < 3; ++i) member[i] = static_cast<float>(r.in(rules.range));
+}
+
+/// A sampled kind with random parameters and, where it has files, random contents.
+template <template <class> class Kind>
+Kind<SampledMode> random_kind(Random& r) {
+  Kind<SampledMode> kind;
+  std::apply([&](const auto&... row) { (randomise(kind.*(row.member), row, r), ...); }, Kind<SampledMode>::parameters());
+  if constexpr (requires { kind.cloud; }) kind.cloud = std::make_shared<const BlobCloud>(random_cloud(r, 1 + r.below(9), -1));
+  if constexpr (requires { kind.morph; })
+    kind.morph = std::make_shared<const LiquidMorph>(random_cloud(r, 1 + r.below(9), 0.5), random_cloud(r, 1 + r.below(9), 0.5),
+                                                     kind.correspondence, kind.volume);
+  return kind;
+}
+
+} // namespace kelpie
