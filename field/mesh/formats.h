@@ -1,0 +1,24 @@
+// The readers of mesh files. `bytes` is the whole file, `file` its name in messages; all throw Error,
+// bad_data, at the first fault.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "field/mesh/mesh.h"
+
+namespace kelpie {
+
+PolygonSoup read_obj(std::string_view bytes, const std::string& file, Diagnostics&);
+PolygonSoup read_off(std::string_view bytes, const std::string& file);
+PolygonSoup read_ply_mesh(std::string_view bytes, const std::string& file);
+PolygonSoup read_stl(std::string_view bytes, const std::string& file);
+
+/// Whether the size is exactly that which the count of a binary STL file calls for. (Binary files may
+/// begin with "solid" as well.)
+bool is_binary_stl(std::string_view bytes);
+
+/// Appends a face of the given corners.
+void append_face(PolygonSoup&, const std::vector<uint32_t>& corners, int line, const std::string& file);
+
+} // namespace kelpie
