@@ -126,7 +126,8 @@ FramePattern::FramePattern(const std::string& text) : text_(text) {
       if (end >= text.size() || text[end] != 'd')
         throw Error(ExitStatus::usage, fmt::format("\"{}\": after % comes a number of digits and d, as in %04d", text));
       place(end + 1 - at, digits);
-    } else *part += text[at++];
+    } else
+      *part += text[at++];
   }
 }
 
@@ -158,8 +159,9 @@ std::vector<int> FramePattern::existing_frames() const {
 
 void require_numbered(const FramePattern& pattern, const std::vector<int>& frames) {
   if (pattern.is_numbered() || frames.size() <= 1) return;
-  throw Error(ExitStatus::usage, fmt::format("{} frames cannot all be written to {}; put #### where the frame number belongs, as in name.####.exr",
-                                             frames.size(), pattern.text()));
+  throw Error(ExitStatus::usage,
+              fmt::format("{} frames cannot all be written to {}; put #### where the frame number belongs, as in name.####.exr",
+                          frames.size(), pattern.text()));
 }
 
 } // namespace kelpie
