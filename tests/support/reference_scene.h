@@ -1,0 +1,76 @@
+// The reference's picture of a sampled field, from its parameters alone: nothing that the program
+// computes from them is used.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "scene/field_node.h"
+#include "tests/reference/field.h"
+
+namespace kelpie {
+
+inline reference::Vec reference_of(const Vec3& v) { return {v.x, v.y, v.z}; }
+inline reference::Falloff reference_of(Falloff f) {
+  return f == Falloff::quartic ? reference::Falloff::quartic : f == Falloff::cubic ? reference::Falloff::cubic : reference::Falloff::wyvill;
+}
+inline reference::Leaf reference_of(const Blob& b) {
+  return {reference_of(b.centre), reference_of(b.centre), b.radius, b.weight, reference_of(b.falloff)};
+}
+
+/// Rodrigues' formula for the opposite angle, row by row.
+inline reference::Affine reference_inverse(const Rotate<SampledMode>& k) {
+  const reference::Vec e = reference_of(k.axis) * (1 / length(reference_of(k.axis)));
+  const double angle = -double(k.angle) * std::acos(-1.0) / 180, c = std::cos(angle), s = std::sin(angle);
+  reference::Affine w;
+  w.rows = {reference::Vec{c + e.x * e.x * (1 - c), e.x * e.y * (1 - c) - e.z * s, e.x * e.z * (1 - c) + e.y * s},
+            reference::Vec{e.y * e.x * (1 - c) + e.z * s, c + e.y * e.y * (1 - c), e.y * e.z * (1 - c) - e.x * s},
+            reference::Vec{e.z * e.x * (1 - c) - e.y * s, e.z * e.y * (1 - c) + e.x * s, c + e.z * e.z * (1 - c)}};
+  w.offset = reference_of(k.centre) - w.direction(reference_of(k.centre));
+  return w;
+}
+inline reference::Affine reference_inverse(const Translate<SampledMode>& k) {
+  reference::Affine w;
+  w.offset = reference_of(k.by) * -1;
+  return w;
+}
+inline reference::Affine reference_inverse(const Scale<SampledMode>& k) {
+  reference::Affine w;
+  w.rows = {reference::Vec{1.0 / k.by.x, 0, 0}, reference::Vec{0, 1.0 / k.by.y, 0}, reference::Vec{0, 0, 1.0 / k.by.z}};
+  w.offset = reference_of(k.centre) - w.direction(reference_of(k.centre));
+  return w;
+}
+
+/// The subtree at `node`.
+inline reference::NodePtr reference_of(const SampledField& field, unsigned node) {
+  using Kind = reference::Node::Kind;
+  auto out = std::make_shared<reference::Node>();
+  std::visit(
+      [&]<template <class> class K>(const K<SampledMode>& k) {
+        using S = K<SampledMode>;
+        if constexpr (BlobSource<S>) {
+          BlobCloud cloud;
+          k.append_blobs(cloud);
+          for (const Blob& b : cloud) out->leaves.push_back(reference_of(b));
+        } else if constexpr (std::is_same_v<S, Segment<SampledMode>>) {
+          out->leaves = {{reference_of(k.from), reference_of(k.to), k.radius, k.weight, reference_of(k.falloff)}};
+        } else if constexpr (AffineWarp<S>) {
+          out->kind = Kind::warp, out->child_from_parent = reference_inverse(k), out->children = {reference_of(field, k.child)};
+        } else if constexpr (Operator<S>) {
+          constexpr bool is_blend = std::is_same_v<S, Blend<SampledMode>>, is_union = std::is_same_v<S, Union<SampledMode>>,
+                         is_intersection = std::is_same_v<S, Intersection<SampledMode>>,
+                         is_difference = std::is_same_v<S, Difference<SampledMode>>;
+          static_assert(is_blend || is_union || is_intersection || is_difference, "teach the reference this operator");
+          out->kind = is_blend ? Kind::blend : is_union ? Kind::unite : is_intersection ? Kind::intersect : Kind::subtract;
+          for (const unsigned child : k.children) out->children.push_back(reference_of(field, child));
+        } else {
+          static_assert(BlobSource<S>, "teach the reference this kind");
+        }
+      },
+      field.nodes[node]);
+  return out;
+}
+inline reference::NodePtr reference_of(const SampledField& field) {
+  return reference_of(field, static_cast<unsigned>(field.nodes.size() - 1));
+}
+
+} // namespace kelpie
