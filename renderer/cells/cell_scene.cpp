@@ -46,7 +46,7 @@ void cell_bounds(const RTCBoundsFunctionArguments* args) {
 
 /// The part of the ray in the cell, padded so that no wall between two cells is a gap; false if there is none.
 /// The pad is small enough that the cell's list of elements is still whole (the builder keeps the same margin).
-bool clip(const Ray& ray, float t_far, const Box3& box, RaySegment& out) {
+bool clip(const Ray& ray, float t_far, const Box3& box, bool from_inside, RaySegment& out) {
   const Vec3 inverse = 1.f / ray.direction;
   const Vec3 a = (box.lower - ray.origin) * inverse, b = (box.upper - ray.origin) * inverse;
   float t0 = ray.t_near, t1 = t_far;
@@ -58,15 +58,16 @@ bool clip(const Ray& ray, float t_far, const Box3& box, RaySegment& out) {
   const float pad = 1e-6f * (1 + std::abs(t1));
   t0 = std::max(t0 - pad, ray.t_near), t1 = std::min(t1 + pad, t_far);
   if (!(t0 <= t1)) return false;
-  out = {ray.origin, ray.direction, t0, t1, ray.from_inside};
+  out = {ray.origin, ray.direction, t0, t1, from_inside};
   return true;
 }
 
 /// Solves one cell; on a hit shortens the ray, so that farther cells are culled.
-bool meet(const ShapeCells& shape, unsigned cell_index, const Query& query, float t_far, float& t) {
+bool meet(const ShapeCells& shape, unsigned shape_index, unsigned cell_index, const Query& query, float t_far, float& t) {
   const Cell& cell = shape.cells[cell_index];
   RaySegment segment;
-  return clip(*query.ray, t_far, cell.box, segment) && solve(shape, cell, segment, *query.counters, t) && t <= t_far;
+  const bool from_inside = query.ray->inside == static_cast<int>(shape_index);
+  return clip(*query.ray, t_far, cell.box, from_inside, segment) && solve(shape, cell, segment, *query.counters, t) && t <= t_far;
 }
 
 void cell_intersect(const RTCIntersectFunctionNArguments* args) {
@@ -75,7 +76,7 @@ void cell_intersect(const RTCIntersectFunctionNArguments* args) {
   const auto& query = *reinterpret_cast<const Query*>(args->context);
   auto* hit = reinterpret_cast<RTCRayHit*>(args->rayhit);
   float t;
-  if (!meet(shape, args->primID, query, hit->ray.tfar, t)) return;
+  if (!meet(shape, args->geomID, args->primID, query, hit->ray.tfar, t)) return;
   hit->ray.tfar = t;
   hit->hit.geomID = args->geomID;
   hit->hit.primID = args->primID;
@@ -87,7 +88,7 @@ void cell_occluded(const RTCOccludedFunctionNArguments* args) {
   const auto& query = *reinterpret_cast<const Query*>(args->context);
   auto* ray = reinterpret_cast<RTCRay*>(args->ray);
   float t;
-  if (meet(shape, args->primID, query, ray->tfar, t)) ray->tfar = -std::numeric_limits<float>::infinity();
+  if (meet(shape, args->geomID, args->primID, query, ray->tfar, t)) ray->tfar = -std::numeric_limits<float>::infinity();
 }
 
 RTCRay to_embree(const Ray& ray) {

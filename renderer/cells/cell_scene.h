@@ -11,7 +11,8 @@ namespace kelpie {
 struct Ray {
   Vec3 origin, direction; ///< direction: a unit vector
   float t_near = 0, t_far = std::numeric_limits<float>::infinity();
-  bool from_inside = false; ///< starts inside every shape that it can meet from within; see RaySegment
+  static constexpr int k_outside = -1;
+  int inside = k_outside; ///< the shape that the ray starts in: its surface is met from within
 };
 
 struct CellHit {

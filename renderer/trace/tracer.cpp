@@ -6,8 +6,8 @@ namespace {
 
 std::vector<ShapeCells> build_all(const FrameScene& frame, const CellLimits& limits) {
   std::vector<ShapeCells> all;
-  for (const SampledShape& shape : frame.shapes)
-    if (!shape.field.nodes.empty()) all.push_back(build_cells(compile(shape.field, shape.threshold), limits));
+  for (const SampledShape& shape : frame.shapes) // a plane has no cells
+    all.push_back(shape.field.nodes.empty() ? ShapeCells{} : build_cells(compile(shape.field, shape.threshold), limits));
   return all;
 }
 
@@ -19,7 +19,6 @@ float rounding_at(const Vec3& p, float t) { return 5e-7f * (std::max({std::abs(p
 Tracer::Tracer(const FrameScene& frame, const CellLimits& limits) : cells_(build_all(frame, limits)) {
   for (uint32_t i = 0; i < frame.shapes.size(); ++i) {
     const SampledShape& shape = frame.shapes[i];
-    if (!shape.field.nodes.empty()) shape_of_cells_.push_back(i);
     if (shape.geometry) {
       const auto& plane = std::get<Plane<SampledMode>>(*shape.geometry);
       planes_.push_back({plane.position, glm::normalize(plane.normal), i});
@@ -65,7 +64,7 @@ void Tracer::complete(const Ray& ray, const CellHit& cell_hit, Hit& hit) const {
   const ShapeCells& shape = cells_.shapes()[cell_hit.shape];
   const Cell& cell = shape.cells[cell_hit.cell];
   hit.t = cell_hit.t;
-  hit.shape = shape_of_cells_[cell_hit.shape];
+  hit.shape = cell_hit.shape;
   hit.position = ray.origin + hit.t * ray.direction;
   const Vec3 g = cell_gradient(shape, cell, hit.position);
   const float length = glm::length(g);
@@ -74,12 +73,13 @@ void Tracer::complete(const Ray& ray, const CellHit& cell_hit, Hit& hit) const {
   hit.epsilon = cell.epsilon + rounding_at(hit.position, hit.t);
 }
 
-bool Tracer::is_inside(const Vec3& p) const {
-  for (const ShapeCells& s : cells_.shapes())
-    if (s.program.support.contains(Vec3d(p)) &&
-        evaluate(s.program, s.program.code, Point3<double>{p.x, p.y, p.z}) > s.program.threshold)
-      return true;
-  return false;
+int Tracer::shape_around(const Vec3& p) const {
+  for (size_t i = 0; i < cells_.shapes().size(); ++i) {
+    const FieldProgram& program = cells_.shapes()[i].program;
+    if (program.code.steps.empty() || !program.support.contains(Vec3d(p))) continue;
+    if (evaluate(program, program.code, Point3<double>{p.x, p.y, p.z}) > program.threshold) return static_cast<int>(i);
+  }
+  return Ray::k_outside;
 }
 
 size_t Tracer::cell_count() const {

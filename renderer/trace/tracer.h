@@ -22,8 +22,8 @@ public:
   bool intersect(const Ray&, SolveCounters&, Hit&) const;
   bool occluded(const Ray&, SolveCounters&) const;
 
-  /// Whether a point lies inside an implicit shape: rays from there need Ray::from_inside.
-  bool is_inside(const Vec3& p) const;
+  /// The implicit shape around a point, for Ray::inside; k_outside if there is none.
+  int shape_around(const Vec3& p) const;
 
   /// The box around all implicit shapes; empty if there are none.
   const Box3& bounds() const { return bounds_; }
@@ -41,8 +41,7 @@ private:
   bool meet_planes(const Ray&, Hit&) const;
   void complete(const Ray&, const CellHit&, Hit&) const;
 
-  CellScene cells_;
-  std::vector<uint32_t> shape_of_cells_; ///< which shape of the frame each of the cells' shapes is
+  CellScene cells_; ///< one entry a shape of the frame
   std::vector<PlaneShape> planes_;
   Box3 bounds_;
 };

@@ -1,0 +1,61 @@
+// Sample points: the Sobol sequence's first two dimensions, Owen-scrambled and padded to any number of
+// pairs (Burley 2020, "Practical hash-based Owen scrambling"; permutation by Laine and Karras 2011).
+#pragma once
+
+#include <cstdint>
+
+#include "base/vec.h"
+
+namespace kelpie {
+
+/// A good 32-bit mix of two numbers.
+inline uint32_t hash(uint32_t a, uint32_t b) {
+  uint64_t x = (uint64_t(a) << 32 | b) + 0x9e3779b97f4a7c15u;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u; // the finaliser of SplitMix64
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+  return static_cast<uint32_t>((x ^ (x >> 31)) >> 16);
+}
+
+/// The points of one sample of one pixel of one frame: they depend on nothing else, so neither threads nor
+/// crop nor the order of tiles changes a picture. Each call yields the next, independent pair.
+class Sampler {
+public:
+  Sampler(uint32_t x, uint32_t y, uint32_t frame, uint32_t sample) : sample_(sample), seed_(hash(hash(x, y), frame)) {}
+
+  /// The next point in [0, 1)^2; the same call of other samples of the pixel fills the square evenly.
+  Vec2 next_pair() {
+    const uint32_t seed = hash(seed_, pair_++);
+    const uint32_t index = scramble(sample_, seed);
+    return {to_unit(scramble(reverse(index), hash(seed, 1))), to_unit(scramble(sobol_second(index), hash(seed, 2)))};
+  }
+
+private:
+  static uint32_t reverse(uint32_t x) {
+    x = x >> 16 | x << 16;
+    x = (x & 0x00ff00ffu) << 8 | (x & 0xff00ff00u) >> 8;
+    x = (x & 0x0f0f0f0fu) << 4 | (x & 0xf0f0f0f0u) >> 4;
+    x = (x & 0x33333333u) << 2 | (x & 0xccccccccu) >> 2;
+    return (x & 0x55555555u) << 1 | (x & 0xaaaaaaaau) >> 1;
+  }
+  /// The second dimension: direction numbers v_0 = 2^31, v_i = v_{i-1} xor v_{i-1}/2.
+  static uint32_t sobol_second(uint32_t index) {
+    uint32_t x = 0;
+    for (uint32_t v = 1u << 31; index != 0; index >>= 1, v ^= v >> 1)
+      if (index & 1) x ^= v;
+    return x;
+  }
+  /// A random permutation in which each bit depends on the higher ones only.
+  static uint32_t scramble(uint32_t x, uint32_t seed) {
+    x = reverse(x) + seed;
+    x ^= x * 0x6c50b47cu;
+    x ^= x * 0xb82f1e52u;
+    x ^= x * 0xc7afe638u;
+    x ^= x * 0x8d22f6e6u;
+    return reverse(x);
+  }
+  static float to_unit(uint32_t x) { return static_cast<float>(x >> 8) * 0x1p-24f; }
+
+  uint32_t sample_, seed_, pair_ = 0;
+};
+
+} // namespace kelpie
