@@ -19,7 +19,7 @@ struct LightSample {
 
 /// A latitude-longitude map of radiance in its own frame: the middle of the map lies in the direction -z,
 /// its right quarter in +x, its top is +y. Strength and rotation are not in here, because they may be
-/// animated and the map is shared by all frames: PlacedEnvironment adds them.
+/// animated and the map is shared by all frames: the light that uses the map adds them.
 ///
 /// Immutable once made; may be used from any thread.
 class EnvironmentMap {
@@ -28,8 +28,8 @@ public:
   /// converted to scene-linear. NaN, infinite and negative values become 0 with one warning. Throws Error:
   /// missing_input when there is no such file; bad_data for any other format, a broken file, or a map of more
   /// than 65,536 pixels a side or 2^27 in all.
-  static EnvironmentMap from_file(const std::string& path, Diagnostics& warnings);
-  static EnvironmentMap from_preset(EnvironmentPreset);
+  static EnvironmentMap load(const std::string& path, Diagnostics& warnings);
+  static EnvironmentMap make(EnvironmentPreset);
   /// Scene-linear, finite, non-negative texels, row by row from the top.
   EnvironmentMap(int width, int height, std::vector<Vec3> texels);
 
@@ -50,11 +50,6 @@ public:
   const std::vector<Vec3>& texels() const { return texels_; }
 
 private:
-  struct Inverse { // of one cumulative distribution of n steps: cdf has n + 1 entries, guide n
-    int index;
-    float offset; // within the step, [0, 1)
-  };
-  static Inverse invert(const float* cdf, const uint16_t* guide, int n, float u);
   void build_distribution();
   float density(int row, int column) const;
 
@@ -63,28 +58,6 @@ private:
   std::vector<float> row_cdf_, column_cdf_; // height + 1; height × (width + 1)
   std::vector<uint16_t> row_guide_, column_guide_;
   std::vector<float> row_cos_; // cosine of the polar angle at the rows' edges, from 1 down to -1
-};
-
-/// A map as a scene places it at one moment: turned about +y, and scaled.
-class PlacedEnvironment {
-public:
-  /// The map must outlive this. A positive rotation turns the map from +z towards +x.
-  PlacedEnvironment(const EnvironmentMap& map, float strength, float rotation_degrees);
-
-  Vec3 radiance(const Vec3& direction) const { return map_->radiance(to_map(direction)) * strength_; }
-  LightSample sample(const Vec2& u) const {
-    LightSample s = map_->sample(u);
-    s.direction = to_world(s.direction), s.radiance *= strength_;
-    return s;
-  }
-  float pdf(const Vec3& direction) const { return map_->pdf(to_map(direction)); }
-
-private:
-  Vec3 to_world(const Vec3& d) const { return {cos_ * d.x + sin_ * d.z, d.y, cos_ * d.z - sin_ * d.x}; }
-  Vec3 to_map(const Vec3& d) const { return {cos_ * d.x - sin_ * d.z, d.y, cos_ * d.z + sin_ * d.x}; }
-
-  const EnvironmentMap* map_;
-  float strength_, cos_, sin_;
 };
 
 } // namespace kelpie

@@ -209,7 +209,12 @@ DecodedFrame decode(std::span<const unsigned char> bytes, const std::string& nam
   std::string why;
   const std::unique_ptr<OIIO::ImageInput> input = open_exr(reader, why);
   if (!input) fail(why);
-  DecodedFrame frame{describe(input->spec()), header_of(input->spec()), {}, std::string(input->spec().get_string_attribute(k_pixel_hash))};
+  DecodedFrame frame;
+  frame.image = describe(input->spec());
+  frame.header = header_of(input->spec());
+  frame.claimed_hash = input->spec().get_string_attribute(k_pixel_hash);
+  if (const auto* p = input->spec().find_attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8)))
+    std::memcpy(frame.chromaticities.emplace().data(), p->data(), 8 * sizeof(float));
   // A small file may claim a picture of any size; ZIP makes at most a thousandth of it.
   PackedPixels packed;
   if (frame.image.data_window.area() * frame.image.channels.size() / 4096 > bytes.size()) fail("truncated");

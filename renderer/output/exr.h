@@ -5,6 +5,7 @@
 // later whether it is whole and whether it is still the picture of that scene.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -40,6 +41,8 @@ EncodedFrame encode_exr(const FrameImage&, const FrameHeader&);
 struct DecodedFrame {
   FrameImage image;
   FrameHeader header;
+  /// CIE xy of red, green, blue, white as in the header, if it has them.
+  std::optional<std::array<float, 8>> chromaticities;
   std::string pixel_hash;   ///< as computed from the pixels
   std::string claimed_hash; ///< as the header says; empty in files of other programs
 

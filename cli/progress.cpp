@@ -1,0 +1,111 @@
+#include "cli/progress.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace kelpie {
+
+namespace {
+
+bool stderr_is_a_terminal() {
+  const char* terminal = std::getenv("TERM");
+  return isatty(STDERR_FILENO) && !(terminal && std::string_view(terminal) == "dumb");
+}
+
+size_t terminal_width() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 80;
+}
+
+std::string format_left(double seconds) { return seconds < 0 ? "" : ", " + format_duration(seconds) + " left"; }
+
+} // namespace
+
+void add_progress_option(CLI::App& app, ProgressMode& mode) {
+  static const std::map<std::string, ProgressMode> names{{"auto", ProgressMode::automatic},
+                                                         {"bar", ProgressMode::bar},
+                                                         {"plain", ProgressMode::plain},
+                                                         {"jsonl", ProgressMode::jsonl},
+                                                         {"none", ProgressMode::none}};
+  app.add_option("--progress", mode, "Progress on stderr: auto (a bar on a terminal, lines otherwise), bar, plain, jsonl, none")
+      ->transform(CLI::Transformer(names, "MODE"))
+      ->check(CLI::IsMember(names))
+      ->option_text("MODE");
+}
+
+std::string format_duration(double seconds) {
+  const long s = std::lround(std::clamp(seconds, 0.0, 3.6e8));
+  if (s < 3600) return fmt::format("{}:{:02}", s / 60, s % 60);
+  return fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
+}
+
+Progress::Progress(ProgressMode mode, double total, std::string unit) : mode_(mode), total_(total), unit_(std::move(unit)) {
+  if (mode_ == ProgressMode::automatic) mode_ = stderr_is_a_terminal() ? ProgressMode::bar : ProgressMode::plain;
+  if (!(total_ > 0)) mode_ = ProgressMode::none;
+}
+
+Progress::~Progress() {
+  if (bar_is_drawn_) fmt::print(stderr, "\n");
+}
+
+void Progress::advance(double done, const std::string& message) {
+  const std::lock_guard lock(mutex_);
+  if (mode_ == ProgressMode::none) return;
+  done_ = std::clamp(done, done_, total_);
+  if (!message.empty()) message_ = message;
+  const Clock::time_point now = Clock::now();
+  const std::chrono::duration<double> pause(mode_ == ProgressMode::bar ? 0.1 : mode_ == ProgressMode::jsonl ? 0.5 : 30.0);
+  const bool is_due = now - last_shown_ >= pause && (mode_ != ProgressMode::plain || now - start_ >= pause);
+  if (!is_due && message.empty() && done_ < total_) return;
+  if (!is_due && mode_ == ProgressMode::bar && done_ < total_) return; // it shows the latest message when it is due
+  if (mode_ == ProgressMode::plain && message.empty() && !is_due) return;
+  last_shown_ = now;
+  const double elapsed = std::chrono::duration<double>(now - start_).count();
+  const double left = done_ > 0 ? elapsed * (total_ - done_) / done_ : -1;
+  if (mode_ == ProgressMode::bar) draw_bar(left);
+  if (mode_ == ProgressMode::plain) write_line(left);
+  if (mode_ == ProgressMode::jsonl) write_object(left);
+}
+
+void Progress::draw_bar(double left) {
+  const size_t width = terminal_width();
+  const int filled = static_cast<int>(24 * done_ / total_);
+  std::string line = fmt::format("[{:-<24}] {:3.0f}%  {:.0f}/{:.0f} {}{}", std::string(filled, '#'), std::floor(100 * done_ / total_),
+                                 std::floor(done_), total_, unit_, done_ < total_ ? format_left(left) : "");
+  if (!message_.empty()) line += "  " + message_;
+  line.resize(std::min(line.size(), width - 1));
+  fmt::print(stderr, "\r{}\x1b[K", line);
+  std::fflush(stderr);
+  bar_is_drawn_ = true;
+}
+
+void Progress::write_line(double left) {
+  fmt::print(stderr, "{:.0f}/{:.0f} {} ({:.0f}%{}){}{}\n", std::floor(done_), total_, unit_, std::floor(100 * done_ / total_),
+             done_ < total_ ? format_left(left) : "", message_.empty() ? "" : ": ", message_);
+  message_.clear();
+}
+
+void Progress::write_object(double left) {
+  nlohmann::ordered_json object{{"done", done_}, {"total", total_}, {"unit", unit_}};
+  if (left >= 0) object["left_s"] = std::round(left * 10) / 10;
+  if (!message_.empty()) object["message"] = message_;
+  fmt::print(stderr, "{}\n", object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  message_.clear();
+}
+
+void Progress::print_line(const std::string& line) {
+  const std::lock_guard lock(mutex_);
+  fmt::print(stderr, "{}{}\n", bar_is_drawn_ ? "\r\x1b[K" : "", line);
+  bar_is_drawn_ = false;
+}
+
+} // namespace kelpie
