@@ -11,13 +11,13 @@ constexpr float k_pi = 3.14159265358979f;
 std::shared_ptr<const EnvironmentMap> EnvironmentCache::get(const EnvironmentLight<SampledMode>& light, Diagnostics& diagnostics) {
   auto& map = maps_[{light.file.resolved, light.preset}];
   if (!map)
-    map = std::make_shared<const EnvironmentMap>(light.file.is_set() ? EnvironmentMap::from_file(light.file.resolved, diagnostics)
-                                                                     : EnvironmentMap::from_preset(light.preset));
+    map = std::make_shared<const EnvironmentMap>(light.file.is_set() ? EnvironmentMap::load(light.file.resolved, diagnostics)
+                                                                     : EnvironmentMap::make(light.preset));
   return map;
 }
 
 Light::Light(std::shared_ptr<const EnvironmentMap> map, const EnvironmentLight<SampledMode>& light)
-    : map_(std::move(map)), environment_(std::in_place, *map_, light.strength, light.rotation) {}
+    : map_(std::move(map)), strength_(light.strength), cos_(std::cos(glm::radians(light.rotation))), sin_(std::sin(glm::radians(light.rotation))) {}
 
 Light::Light(const SunLight<SampledMode>& sun) : direction_(glm::normalize(sun.direction)) {
   const Vec3 irradiance = sun.colour.rgb * sun.strength;
@@ -31,9 +31,9 @@ Light::Light(const SunLight<SampledMode>& sun) : direction_(glm::normalize(sun.d
 }
 
 Arrival Light::sample(Vec2 u) const {
-  if (environment_) {
-    const LightSample s = environment_->sample(u);
-    return {s.direction, s.radiance, s.pdf, false};
+  if (map_) {
+    const LightSample s = map_->sample(u);
+    return {turn(s.direction, sin_), strength_ * s.radiance, s.pdf, false};
   }
   if (is_delta()) return {direction_, radiance_, 1, true};
   const float cosine = 1 - u.x * solid_angle_ / (2 * k_pi), sine = std::sqrt(std::max(0.f, 1 - cosine * cosine)), phi = 2 * k_pi * u.y;
@@ -41,7 +41,10 @@ Arrival Light::sample(Vec2 u) const {
 }
 
 Arrival Light::seen_along(const Vec3& d) const {
-  if (environment_) return {d, environment_->radiance(d), environment_->pdf(d), false};
+  if (map_) {
+    const Vec3 in_map = turn(d, -sin_);
+    return {d, strength_ * map_->radiance(in_map), map_->pdf(in_map), false};
+  }
   if (is_delta() || glm::dot(d, direction_) < cos_radius_) return {d, Vec3(0), 0, false};
   return {d, radiance_, 1 / solid_angle_, false};
 }

@@ -3,7 +3,6 @@
 
 #include <map>
 #include <memory>
-#include <optional>
 #include <span>
 
 #include "base/error.h"
@@ -39,12 +38,15 @@ public:
   Arrival sample(Vec2 u) const;
   /// What a ray that misses everything sees of this light, and how likely `sample` is to choose its direction.
   Arrival seen_along(const Vec3& direction) const;
-  bool is_environment() const { return environment_.has_value(); }
-  bool is_delta() const { return !environment_ && cos_radius_ >= 1; }
+  bool is_environment() const { return map_ != nullptr; }
+  bool is_delta() const { return !map_ && cos_radius_ >= 1; }
 
 private:
-  std::shared_ptr<const EnvironmentMap> map_; ///< kept alive for `environment_`
-  std::optional<PlacedEnvironment> environment_;
+  /// From the map's frame by `sine`, into it by -`sine`: a turn about +y, from +z towards +x.
+  Vec3 turn(const Vec3& v, float sine) const { return {cos_ * v.x + sine * v.z, v.y, cos_ * v.z - sine * v.x}; }
+
+  std::shared_ptr<const EnvironmentMap> map_; ///< null: a sun
+  float strength_ = 1, cos_ = 1, sin_ = 0;
   Vec3 direction_{0, 1, 0}, radiance_{0}; ///< of a sun
   float cos_radius_ = 1, solid_angle_ = 0;
 };

@@ -81,14 +81,18 @@ float EnvironmentMap::density(int row, int column) const {
   return probability * float(width_) / (2 * k_pi * (row_cos_[row] - row_cos_[row + 1]));
 }
 
-Vec3 EnvironmentMap::radiance(const Vec3& d) const {
-  const float s = (0.5f + std::atan2(d.x, -d.z) / (2 * k_pi)) * float(width_) - 0.5f;
-  const float t = std::acos(std::clamp(d.y, -1.f, 1.f)) / k_pi * float(height_) - 0.5f;
+Vec3 EnvironmentMap::between_texels(float u, float v) const {
+  const float s = u * float(width_) - 0.5f, t = v * float(height_) - 0.5f;
   const float column = std::floor(s), row = std::floor(t), a = s - column, b = t - row;
-  const int left = (static_cast<int>(column) + width_) % width_, right = left + 1 < width_ ? left + 1 : 0;
+  const int left = static_cast<int>(column) < 0 ? width_ - 1 : std::min(static_cast<int>(column), width_ - 1);
+  const int right = left + 1 < width_ ? left + 1 : 0;
   const int top = std::max(static_cast<int>(row), 0), bottom = std::min(static_cast<int>(row) + 1, height_ - 1);
   const Vec3 *upper = &texels_[size_t(top) * size_t(width_)], *lower = &texels_[size_t(bottom) * size_t(width_)];
   return (upper[left] * (1 - a) + upper[right] * a) * (1 - b) + (lower[left] * (1 - a) + lower[right] * a) * b;
+}
+
+Vec3 EnvironmentMap::radiance(const Vec3& d) const {
+  return between_texels(0.5f + std::atan2(d.x, -d.z) / (2 * k_pi), std::acos(std::clamp(d.y, -1.f, 1.f)) / k_pi);
 }
 
 LightSample EnvironmentMap::sample(const Vec2& u) const {
@@ -96,10 +100,10 @@ LightSample EnvironmentMap::sample(const Vec2& u) const {
   const size_t r = size_t(row.step), w = size_t(width_);
   const Inverse column = invert(&column_cdf_[r * (w + 1)], &column_guide_[r * w], width_, u.x);
   const float y = row_cos_[r] + (row_cos_[r + 1] - row_cos_[r]) * row.offset, sine = std::sqrt(std::max(0.f, 1 - y * y));
-  const float phi = 2 * k_pi * ((float(column.step) + column.offset) / float(width_) - 0.5f);
+  const float place = (float(column.step) + column.offset) / float(width_), phi = 2 * k_pi * (place - 0.5f);
   LightSample sample;
   sample.direction = {sine * std::sin(phi), y, -sine * std::cos(phi)};
-  sample.radiance = radiance(sample.direction);
+  sample.radiance = between_texels(place, std::acos(y) / k_pi);
   sample.pdf = density(row.step, column.step);
   return sample;
 }

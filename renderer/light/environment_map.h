@@ -51,6 +51,8 @@ public:
 
 private:
   void build_distribution();
+  /// Bilinear, at (u, v) in [0, 1]² of the map from the top left.
+  Vec3 between_texels(float u, float v) const;
   float density(int row, int column) const;
 
   int width_ = 0, height_ = 0;

@@ -1,0 +1,56 @@
+#include <atomic>
+#include <thread>
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include "cli/command.h"
+#include "cli/film_options.h"
+#include "colour/spaces.h"
+#include "renderer/forecast.h"
+#include "renderer/output/sequence.h"
+#include "scene/reader.h"
+
+namespace kelpie {
+
+namespace {
+
+void check(const std::string& path, const RenderOptions& options) {
+  const unsigned threads = options.threads > 0 ? static_cast<unsigned>(options.threads) : std::thread::hardware_concurrency();
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  use_ocio_config(options.ocio);
+  Diagnostics diagnostics;
+  Scene scene = read_scene(path, {options.set, options.allow_paths}, diagnostics);
+  const PixelBox window = apply_film_options(options, scene.film);
+  const std::vector<int> frames =
+      parse_frames(options.frames.empty() ? fmt::format("{}-{}", scene.frames.first, scene.frames.last) : options.frames);
+
+  EnvironmentCache environments;
+  const std::atomic<bool> stop{false};
+  const std::function<void(double)> silent = [](double) {};
+  const Forecast f = forecast(scene, frames, window, {environments, diagnostics, silent, stop});
+  print_warnings(diagnostics);
+  fmt::print("{}: good\n", path);
+  fmt::print("picture   {} frame{}, {}x{}, {} samples per pixel, {} bounces\n", frames.size(), frames.size() == 1 ? "" : "s", scene.film.resolution.x,
+             scene.film.resolution.y, scene.film.spp, scene.film.bounces);
+  fmt::print("shapes    {}, of up to {} elements in {} cells\n", scene.shapes.size(), f.elements, f.cells);
+  fmt::print("time      about {:.3g} s a frame on {} thread{} ({:.3g} s of CPU); {} in all\n", f.wall_s_per_frame, threads, threads == 1 ? "" : "s",
+             f.cpu_s_per_frame, format_duration(f.wall_s_per_frame * static_cast<double>(frames.size())));
+  fmt::print("memory    about {:.0f} MB\n", f.memory_mb);
+}
+
+} // namespace
+
+void add_check(CLI::App& app) {
+  CLI::App& command = *app.add_subcommand("check", "read a scene, report all its problems, and forecast time and memory");
+  auto options = std::make_shared<RenderOptions>();
+  auto path = std::make_shared<std::string>();
+  command.add_option("SCENE", *path, "the scene file (JSON)")->required();
+  command.add_option("-f,--frames", options->frames, "the frames that would be rendered [all of the scene]");
+  add_film_options(command, *options);
+  command.add_option("-j,--threads", options->threads, "threads that would be used [all cores]")->check(CLI::Range(0, 4096));
+  command.add_flag("--no-cache")->description("accepted everywhere; checking caches nothing");
+  command.callback([=] { check(*path, *options); });
+}
+
+} // namespace kelpie
