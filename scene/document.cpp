@@ -1,0 +1,104 @@
+#include "scene/document.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include <fmt/format.h>
+
+namespace kelpie {
+
+const JsonValue* JsonValue::find(std::string_view key) const {
+  if (const Object* members = object())
+    for (const JsonMember& m : *members)
+      if (m.key == key) return &m.value;
+  return nullptr;
+}
+
+std::string_view describe(const JsonValue& v) {
+  if (const bool* b = v.boolean()) return *b ? "true" : "false";
+  if (v.number()) return "a number";
+  if (v.string()) return "a string";
+  if (v.array()) return "a list";
+  if (v.object()) return "an object";
+  return "null";
+}
+
+std::string in_quotes(std::string_view s) {
+  constexpr size_t k_longest = 64;
+  size_t shown = std::min(s.size(), k_longest);
+  while (shown > 0 && shown < s.size() && (s[shown] & 0xC0) == 0x80) --shown; // not in the middle of a character
+  std::string out = "\"";
+  for (const char c : s.substr(0, shown)) out += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? '?' : c;
+  return out + (shown < s.size() ? "…\"" : "\"");
+}
+
+namespace {
+
+void append_string(std::string_view s, std::string& out) {
+  // Lengths make the text unambiguous without escapes.
+  fmt::format_to(std::back_inserter(out), "{}:", s.size());
+  out += s;
+}
+
+void append_canonical(const JsonValue& v, std::string& out) {
+  if (const bool* flag = v.boolean()) {
+    out += *flag ? 't' : 'f';
+  } else if (const double* n = v.number()) {
+    fmt::format_to(std::back_inserter(out), "{},", *n == 0 ? 0.0 : *n); // -0 is 0
+  } else if (const std::string* s = v.string()) {
+    append_string(*s, out);
+  } else if (const JsonValue::Array* elements = v.array()) {
+    out += '[';
+    for (const JsonValue& e : *elements) append_canonical(e, out);
+    out += ']';
+  } else if (const JsonValue::Object* members = v.object()) {
+    std::vector<const JsonMember*> sorted;
+    for (const JsonMember& m : *members) sorted.push_back(&m);
+    std::sort(sorted.begin(), sorted.end(), [](const JsonMember* a, const JsonMember* b) { return a->key < b->key; });
+    out += '{';
+    for (const JsonMember* m : sorted) append_string(m->key, out), append_canonical(m->value, out);
+    out += '}';
+  } else {
+    out += 'n';
+  }
+}
+
+/// Reads at most one byte more than the limit, so that a pipe or a device that never ends is refused too.
+std::string read_at_most(const std::string& path, size_t limit) {
+  const auto fail = [&] {
+    return Error(ExitStatus::missing_input, fmt::format("cannot read the scene: {}", std::strerror(errno)), {path});
+  };
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
+  if (!file) throw fail();
+  std::string text;
+  char block[1 << 16];
+  while (text.size() <= limit) {
+    const size_t n = std::fread(block, 1, std::min(sizeof block, limit + 1 - text.size()), file.get());
+    if (n == 0) break;
+    text.append(block, n);
+  }
+  if (std::ferror(file.get())) throw fail();
+  return text;
+}
+
+} // namespace
+
+std::string canonical_text(const JsonValue& v) {
+  std::string out;
+  append_canonical(v, out);
+  return out;
+}
+
+SourcePosition Document::where(TextPosition p) const {
+  if (p.source > 0) return {sources.at(p.source - 1)};
+  return {file, static_cast<int>(p.line), static_cast<int>(p.column)};
+}
+
+Document read_document(const std::string& path, ProblemList& problems, const DocumentLimits& limits) {
+  return parse_document(read_at_most(path, limits.bytes), path, problems, limits);
+}
+
+} // namespace kelpie

@@ -1,0 +1,102 @@
+// What the types of parameters are, for everything that is derived from the tables: the reader, the
+// manual and the schema.
+#pragma once
+
+#include <type_traits>
+
+#include "scene/scene.h"
+
+namespace kelpie {
+
+/// What a list of kinds is called: "expected a field".
+template <class List>
+inline constexpr std::string_view k_group_name = {};
+template <>
+inline constexpr std::string_view k_group_name<FieldKinds> = "field";
+template <>
+inline constexpr std::string_view k_group_name<SurfaceKinds> = "surface";
+template <>
+inline constexpr std::string_view k_group_name<GeometryKinds> = "geometry";
+template <>
+inline constexpr std::string_view k_group_name<LightKinds> = "light";
+
+/// A struct with a table.
+template <class T>
+concept Record = requires {
+  T::parameters();
+};
+
+template <class E>
+concept NamedEnum = std::is_enum_v<E> && requires {
+  EnumNames<E>::values;
+};
+
+template <class T>
+struct AnimatedTrait : std::false_type {};
+template <class T>
+struct AnimatedTrait<Animated<T>> : std::true_type {
+  using Value = T;
+};
+template <class T>
+concept IsAnimated = AnimatedTrait<T>::value;
+
+template <class T>
+struct ListTrait : std::false_type {};
+template <class T>
+struct ListTrait<std::vector<T>> : std::true_type {
+  using Element = T;
+};
+template <class T>
+concept IsList = ListTrait<T>::value;
+
+template <class T>
+struct OptionalTrait : std::false_type {};
+template <class T>
+struct OptionalTrait<std::optional<T>> : std::true_type {
+  using Value = T;
+};
+template <class T>
+concept IsOptional = OptionalTrait<T>::value;
+
+/// The KindList of a variant of kinds.
+template <class V>
+struct KindsTrait : std::false_type {};
+template <template <class> class... Kinds>
+struct KindsTrait<std::variant<Kinds<AnimatedMode>...>> : std::true_type {
+  using List = KindList<Kinds...>;
+};
+template <class V>
+concept IsKindVariant = KindsTrait<V>::value;
+
+/// Calls `visit(row)` for each row of a table, in order.
+template <Record T, class Visitor>
+void for_each_parameter(Visitor&& visit) {
+  std::apply([&](const auto&... row) { (visit(row), ...); }, T::parameters());
+}
+
+/// The type of a row's member.
+template <class Row>
+struct MemberType;
+template <class Owner, class T>
+struct MemberType<Parameter<Owner, T>> {
+  using type = T;
+};
+template <class Row>
+using MemberOf = typename MemberType<std::remove_cvref_t<Row>>::type;
+
+/// The names of a list's kinds.
+template <class List>
+std::vector<std::string_view> kind_names() {
+  std::vector<std::string_view> names;
+  List::for_each([&]<template <class> class Kind>() { names.push_back(Kind<AnimatedMode>::k_name); });
+  return names;
+}
+
+template <NamedEnum E>
+std::vector<std::string_view> enum_names() {
+  std::vector<std::string_view> names;
+  for (const auto& [name, value] : EnumNames<E>::values) names.push_back(name);
+  return names;
+}
+
+} // namespace kelpie

@@ -1,0 +1,100 @@
+// Values that change over time: {"keys": [[frame, value, derivative…], …], "interpolation": …}.
+#include <cmath>
+
+#include "scene/value_reader.h"
+
+namespace kelpie {
+
+namespace {
+
+constexpr std::string_view k_key_form = "[frame, value] or [frame, value, derivative, …]";
+/// A curve of a higher degree than 2 * 5 - 1 swings more than it helps.
+constexpr size_t k_most_derivatives = 4;
+
+/// Far beyond any film, and differences of frames stay finite.
+ParameterRules frame_rules() {
+  ParameterRules rules{"frame", {}};
+  rules.range = {-1e9, 1e9};
+  return rules;
+}
+
+bool is_within(const Range& range, float v) { return range.contains(double(v)); }
+bool is_within(const Range& range, const Vec3& v) { return is_within(range, v.x) && is_within(range, v.y) && is_within(range, v.z); }
+bool is_within(const Range& range, const Colour& c) { return is_within(range, c.rgb); }
+
+} // namespace
+
+template <class T>
+bool ValueReader::read_key(Key<T>& out, const JsonValue& v, Interpolation how, const ParameterRules& rules) {
+  const JsonValue::Array* parts = v.array();
+  if (!parts) return fail_type(v, rules.name, k_key_form);
+  if (parts->size() < 2) return fail(v, fmt::format("{}: expected {}, found {}", rules.name, k_key_form, count_of_values(parts->size())));
+  const bool has_frame = read(out.frame, (*parts)[0], frame_rules());
+  bool is_good = read(out.value, (*parts)[1], rules) && has_frame;
+  if (parts->size() == 2) return is_good;
+  if (how != Interpolation::hermite)
+    return fail((*parts)[2], fmt::format("{}: derivatives need \"interpolation\": \"hermite\"", rules.name));
+  if (parts->size() > 2 + k_most_derivatives) return fail(v, fmt::format("{}: more than {} derivatives", rules.name, k_most_derivatives));
+  for (size_t i = 2; i < parts->size(); ++i) {
+    // Slopes have no range, and those of colours are scene-linear: a curved space has no derivative of its own.
+    const ParameterRules slope{rules.name, {}};
+    if constexpr (std::is_same_v<T, Colour>)
+      is_good &= read_triple(out.derivatives.emplace_back().rgb, (*parts)[i], rules.name, "[r, g, b]");
+    else
+      is_good &= read(out.derivatives.emplace_back(), (*parts)[i], slope);
+  }
+  return is_good;
+}
+
+/// A Hermite curve can leave the range in which its keys lie. Sampled, not solved: what slips through is
+/// less than an eighth of an interval wide.
+template <class T>
+bool ValueReader::check_between_keys(const Animated<T>& curve, const JsonValue& v, const ParameterRules& rules) {
+  if (curve.interpolation() != Interpolation::hermite) return true;
+  constexpr int k_samples = 8;
+  for (size_t i = 1; i < curve.keys().size(); ++i)
+    for (int j = 1; j < k_samples; ++j) {
+      const double from = curve.keys()[i - 1].frame, to = curve.keys()[i].frame;
+      const double frame = from + (to - from) * j / k_samples;
+      if (!is_within(rules.range, curve.at(frame)))
+        return fail(v, fmt::format("{} must be {}: the curve leaves that between its keys, at frame {:.6g}", rules.name,
+                                   describe(rules.range), frame));
+    }
+  return true;
+}
+
+template <class T>
+bool ValueReader::read_curve(Animated<T>& out, const JsonValue& v, const ParameterRules& rules) {
+  constexpr std::array<std::string_view, 2> k_keys{"keys", "interpolation"};
+  bool is_good = true;
+  for (const JsonMember& m : *v.object())
+    if (m.key != k_keys[0] && m.key != k_keys[1])
+      is_good = fail(document_.where(m.key_at), fmt::format("unknown key {}{}", in_quotes(m.key), suggestion(m.key, k_keys)));
+
+  Interpolation how = Interpolation::linear;
+  if (const JsonValue* name = v.find("interpolation")) is_good &= read_enum(how, *name, ParameterRules{"interpolation", {}});
+
+  const JsonValue* list = v.find("keys");
+  if (!list) return fail(v, fmt::format("{}: missing key \"keys\"", rules.name));
+  if (!list->array()) return fail_type(*list, "keys", "a list");
+  if (list->array()->empty()) return fail(*list, "keys may not be empty");
+  std::vector<Key<T>> keys(list->array()->size());
+  const Key<T>* previous = nullptr; // none behind a faulty key: nothing is said about the order there
+  for (size_t i = 0; i < keys.size(); ++i) {
+    const JsonValue& key = (*list->array())[i];
+    const bool is_good_key = read_key(keys[i], key, how, rules);
+    if (is_good_key && previous && !(keys[i].frame > previous->frame))
+      is_good = fail(key, fmt::format("keys must ascend: frame {} follows frame {}", keys[i].frame, previous->frame));
+    is_good &= is_good_key;
+    previous = is_good_key ? &keys[i] : nullptr;
+  }
+  if (!is_good) return false;
+  out = Animated<T>(std::move(keys), how);
+  return check_between_keys(out, v, rules);
+}
+
+template bool ValueReader::read_curve(Animated<float>&, const JsonValue&, const ParameterRules&);
+template bool ValueReader::read_curve(Animated<Vec3>&, const JsonValue&, const ParameterRules&);
+template bool ValueReader::read_curve(Animated<Colour>&, const JsonValue&, const ParameterRules&);
+
+} // namespace kelpie

@@ -1,0 +1,21 @@
+// Scene files into scenes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "scene/scene.h"
+
+namespace kelpie {
+
+struct ReadOptions {
+  std::vector<std::string> set;         ///< `path=value`, applied before anything is read
+  std::vector<std::string> allow_paths; ///< folders or files outside the scene's folder that it may read
+};
+
+/// Reads a scene and its assets. Throws one Error that lists every problem of the file with its position;
+/// missing_input where the scene itself, or nothing but assets, is missing. `diagnostics` gets warnings.
+Scene read_scene(const std::string& path, const ReadOptions&, Diagnostics& diagnostics);
+
+} // namespace kelpie

@@ -1,0 +1,52 @@
+// What is known but not built yet: refused by name, never ignored. A line goes when its feature comes.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace kelpie {
+
+enum class ReservedAs {
+  kind,    ///< `owner` is the group, such as "surface"
+  key,     ///< `owner` is what has the key, such as "shape"
+  value,   ///< `owner` is the parameter
+  nonzero, ///< a number that must be 0 for now; `owner` is what has the parameter
+};
+
+struct Reserved {
+  ReservedAs as;
+  std::string_view owner, name;
+};
+
+inline constexpr std::array k_reserved{
+    Reserved{ReservedAs::kind, "field", "circle"},
+    Reserved{ReservedAs::kind, "field", "arc"},
+    Reserved{ReservedAs::kind, "field", "disc"},
+    Reserved{ReservedAs::kind, "field", "triangle"},
+    Reserved{ReservedAs::kind, "field", "rectangle"},
+    Reserved{ReservedAs::kind, "field", "box"},
+    Reserved{ReservedAs::kind, "field", "cylinder"},
+    Reserved{ReservedAs::kind, "field", "cone"},
+    Reserved{ReservedAs::kind, "field", "torus"},
+    Reserved{ReservedAs::kind, "field", "tetrahedron"},
+    Reserved{ReservedAs::kind, "field", "prism"},
+    Reserved{ReservedAs::kind, "field", "polyhedron"},
+    Reserved{ReservedAs::kind, "field", "twist"},
+    Reserved{ReservedAs::kind, "field", "taper"},
+    Reserved{ReservedAs::kind, "field", "bend"},
+    Reserved{ReservedAs::kind, "field", "axial"},
+    Reserved{ReservedAs::kind, "surface", "glass"},
+    Reserved{ReservedAs::key, "shape", "texture"},
+    Reserved{ReservedAs::value, "aovs", "motion"},
+    Reserved{ReservedAs::value, "aovs", "cryptomatte"},
+    Reserved{ReservedAs::value, "correspondence", "hierarchical"},
+    Reserved{ReservedAs::nonzero, "camera", "shutter"},
+};
+
+constexpr bool is_reserved(ReservedAs as, std::string_view owner, std::string_view name) {
+  for (const Reserved& r : k_reserved)
+    if (r.as == as && r.owner == owner && r.name == name) return true;
+  return false;
+}
+
+} // namespace kelpie

@@ -1,0 +1,106 @@
+// Reads single values: numbers, vectors, colours, names, paths, and what of them moves.
+#pragma once
+
+#include <fmt/format.h>
+
+#include "base/suggest.h"
+#include "scene/assets.h"
+#include "scene/document.h"
+#include "scene/parameter_types.h"
+#include "scene/reserved.h"
+
+namespace kelpie {
+
+/// Every read() checks the value against the rules of its parameter, reports what is wrong with it, and
+/// returns whether all is well; otherwise `out` is not to be used.
+class ValueReader {
+public:
+  ValueReader(const Document& document, const AssetFolder& folder, ProblemList& problems)
+      : document_(document), folder_(folder), problems_(problems) {}
+
+  bool read(double& out, const JsonValue&, const ParameterRules&);
+  bool read(float& out, const JsonValue&, const ParameterRules&);
+  bool read(int& out, const JsonValue&, const ParameterRules&);
+  bool read(bool& out, const JsonValue&, const ParameterRules&);
+  bool read(std::string& out, const JsonValue&, const ParameterRules&);
+  bool read(AssetPath& out, const JsonValue&, const ParameterRules&);
+  bool read(Vec2i& out, const JsonValue&, const ParameterRules&);
+  bool read(Vec3& out, const JsonValue&, const ParameterRules&);
+  bool read(Colour& out, const JsonValue&, const ParameterRules&);
+  bool read(Background& out, const JsonValue&, const ParameterRules&);
+
+  template <NamedEnum E>
+  bool read_enum(E& out, const JsonValue& v, const ParameterRules& rules) {
+    const std::vector<std::string_view> names = enum_names<E>();
+    const int i = read_name(v, rules, names);
+    if (i >= 0) out = EnumNames<E>::values[static_cast<size_t>(i)].second;
+    return i >= 0;
+  }
+
+  /// A constant, or `{"keys": [[frame, value, derivative…], …], "interpolation": …}`.
+  template <class T>
+  bool read(Animated<T>& out, const JsonValue& v, const ParameterRules& rules) {
+    if (!is_curve<T>(v)) {
+      T constant{};
+      if (!read(constant, v, rules)) return false;
+      out = Animated<T>(constant);
+      return true;
+    }
+    return read_curve(out, v, rules);
+  }
+
+  SourcePosition where(const JsonValue& v) const { return document_.where(v.at); }
+
+  /// Reports a problem; returns false.
+  bool fail(SourcePosition at, std::string message) {
+    problems_.add(std::move(at), std::move(message));
+    return false;
+  }
+  bool fail(const JsonValue& v, std::string message) { return fail(where(v), std::move(message)); }
+  bool fail_type(const JsonValue& v, std::string_view name, std::string_view expected) {
+    return fail(v, fmt::format("{}: expected {}, found {}", name, expected, describe(v)));
+  }
+
+  /// Files that were named so far.
+  const AssetFiles& asset_files() const { return asset_files_; }
+
+protected:
+  const Document& document() const { return document_; }
+
+private:
+  template <class T>
+  static bool is_curve(const JsonValue& v) {
+    // A colour may be an object as well: {"space": …, "rgb": …}.
+    return v.object() && (!std::is_same_v<T, Colour> || v.find("keys") || v.find("interpolation"));
+  }
+  template <class T>
+  bool read_curve(Animated<T>& out, const JsonValue&, const ParameterRules&);
+  template <class T>
+  bool read_key(Key<T>& out, const JsonValue&, Interpolation, const ParameterRules&);
+  template <class T>
+  bool check_between_keys(const Animated<T>&, const JsonValue&, const ParameterRules&);
+
+  int read_name(const JsonValue&, const ParameterRules&, std::span<const std::string_view> names);
+  bool read_triple(Vec3& out, const JsonValue&, std::string_view name, std::string_view expected);
+  bool read_colour_in_space(Vec3& out, const JsonValue&, std::string_view name);
+  bool read_hex_colour(Vec3& out, const JsonValue&, std::string_view name);
+  bool to_float(float& out, double, const JsonValue&, std::string_view name);
+  bool check_range(double found, const JsonValue&, const ParameterRules&);
+
+  const Document& document_;
+  const AssetFolder& folder_;
+  ProblemList& problems_;
+  AssetFiles asset_files_;
+};
+
+extern template bool ValueReader::read_curve(Animated<float>&, const JsonValue&, const ParameterRules&);
+extern template bool ValueReader::read_curve(Animated<Vec3>&, const JsonValue&, const ParameterRules&);
+extern template bool ValueReader::read_curve(Animated<Colour>&, const JsonValue&, const ParameterRules&);
+
+/// "one value", "2 values".
+std::string count_of_values(size_t n);
+
+/// "> 0", ">= 0 and <= 1": the range of a number in words of mathematics; empty where all are allowed.
+std::string describe(const Range&);
+
+} // namespace kelpie
