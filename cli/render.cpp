@@ -15,7 +15,7 @@
 #include "cli/progress.h"
 #include "cli/stats.h"
 #include "colour/spaces.h"
-#include "renderer/output/atomic_file.h"
+#include "base/atomic_file.h"
 #include "renderer/output/camera_matrices.h"
 #include "renderer/output/exr.h"
 #include "renderer/output/sequence.h"

@@ -2,7 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "renderer/output/atomic_file.h"
+#include "base/atomic_file.h"
+#include "base/file_bytes.h"
 
 namespace kelpie {
 
@@ -20,7 +21,7 @@ void write_render_stats(const std::string& path, unsigned threads, const std::ve
     separator = ",\n";
   }
   text += "\n  ]\n}\n";
-  write_file_atomically(path, {reinterpret_cast<const unsigned char*>(text.data()), text.size()});
+  write_file_atomically(path, as_bytes(text));
 }
 
 } // namespace kelpie

@@ -10,9 +10,9 @@
 #include "colour/colour.h"
 #include "colour/spaces.h"
 #include "renderer/light/environment_map.h"
-#include "renderer/output/atomic_file.h"
+#include "base/atomic_file.h"
 #include "renderer/output/exr.h"
-#include "renderer/output/file_bytes.h"
+#include "base/file_bytes.h"
 
 namespace kelpie {
 namespace {

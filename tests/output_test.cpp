@@ -14,10 +14,10 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
-#include "renderer/output/atomic_file.h"
+#include "base/atomic_file.h"
 #include "renderer/output/camera_matrices.h"
 #include "renderer/output/exr.h"
-#include "renderer/output/file_bytes.h"
+#include "base/file_bytes.h"
 #include "renderer/output/sequence.h"
 
 namespace kelpie {
@@ -151,16 +151,16 @@ TEST_F(OutputTest, OnlyAWholeFrameOfTheSameSceneIsComplete) {
   write_exr(file, test_frame(), test_header());
   EXPECT_TRUE(frame_is_complete(file, hash));
   EXPECT_FALSE(frame_is_complete(file, "another scene"));
-  const std::vector<unsigned char> whole = read_file_bytes(file);
+  const std::string whole = read_file_bytes(file);
   for (size_t cut : {size_t(0), size_t(4), size_t(300), whole.size() / 2, whole.size() - 1}) {
-    write_file_atomically(file, std::span(whole).first(cut));
+    write_file_atomically(file, as_bytes(whole).first(cut));
     EXPECT_FALSE(frame_is_complete(file, hash)) << "cut at " << cut;
   }
   size_t caught = 0, flips = 0;
   for (size_t at = whole.size() / 2; at < whole.size(); at += 97, ++flips) { // in the pixels
-    std::vector<unsigned char> flipped = whole;
-    flipped[at] ^= 4;
-    write_file_atomically(file, flipped);
+    std::string flipped = whole;
+    flipped[at] = static_cast<char>(flipped[at] ^ 4);
+    write_file_atomically(file, as_bytes(flipped));
     caught += !frame_is_complete(file, hash);
   }
   EXPECT_EQ(caught, flips);

@@ -8,7 +8,8 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "field/files/file_bytes.h"
+#include "base/atomic_file.h"
+#include "base/file_bytes.h"
 #include "field/files/ply.h"
 
 namespace kelpie {
@@ -77,7 +78,7 @@ void write_blob_cloud(const std::string& path, const BlobCloud& cloud) {
   bytes += "end_header\n";
   for (const Blob& b : cloud)
     for (const float value : {b.centre.x, b.centre.y, b.centre.z, b.radius, b.weight}) append_little_endian(bytes, value);
-  write_file_bytes(path, bytes);
+  write_file_atomically(path, as_bytes(bytes));
 }
 
 } // namespace kelpie

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "field/files/file_bytes.h"
+#include "base/file_bytes.h"
 #include "field/mesh/edges.h"
 #include "field/mesh/formats.h"
 #include "field/mesh/repair.h"
@@ -70,6 +70,15 @@ Box3d bounding_box(const Mesh& mesh) {
   Box3d box;
   for (const Vec3d& p : mesh.positions) box.extend(p);
   return box;
+}
+
+double surface_area(const Mesh& mesh) {
+  double twice = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3d& a = mesh.positions[t[0]];
+    twice += glm::length(glm::cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a));
+  }
+  return twice / 2;
 }
 
 double signed_volume(const Mesh& mesh) {

@@ -46,6 +46,8 @@ Mesh parse_mesh(std::string_view bytes, const std::string& path, Diagnostics&);
 /// The box of the positions (relative to `origin`).
 Box3d bounding_box(const Mesh&);
 
+double surface_area(const Mesh&);
+
 /// The enclosed volume, positive where triangles face outward; cavities are subtracted.
 double signed_volume(const Mesh&);
 

@@ -9,7 +9,7 @@
 #include "colour/spaces.h"
 #include "renderer/light/environment_map.h"
 #include "renderer/output/exr.h"
-#include "renderer/output/file_bytes.h"
+#include "base/file_bytes.h"
 
 namespace kelpie {
 
@@ -34,7 +34,7 @@ void check_size(const std::string& path, int width, int height) {
     fail(path, fmt::format("{}×{} pixels are no map of a size that can be used", width, height));
 }
 
-RawMap read_radiance(const std::string& path, const std::vector<unsigned char>& bytes) {
+RawMap read_radiance(const std::string& path, const std::string& bytes) {
   // The decoder is chosen here: OIIO by itself would try all of its formats on a file.
   const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create("hdr");
   OIIO::Filesystem::IOMemReader reader(bytes.data(), bytes.size());
@@ -51,8 +51,8 @@ RawMap read_radiance(const std::string& path, const std::vector<unsigned char>& 
   return map;
 }
 
-RawMap read_openexr(const std::string& path, const std::vector<unsigned char>& bytes) {
-  const DecodedFrame frame = decode_exr(bytes, path);
+RawMap read_openexr(const std::string& path, const std::string& bytes) {
+  const DecodedFrame frame = decode_exr(as_bytes(bytes), path);
   const PixelBox& window = frame.image.data_window;
   check_size(path, window.width(), window.height());
   RawMap map{window.width(), window.height(), std::vector<float>(window.area() * 3), frame.chromaticities};
@@ -69,7 +69,7 @@ RawMap read_openexr(const std::string& path, const std::vector<unsigned char>& b
 } // namespace
 
 EnvironmentMap EnvironmentMap::load(const std::string& path, Diagnostics& warnings) {
-  const std::vector<unsigned char> bytes = read_file_bytes(path);
+  const std::string bytes = read_file_bytes(path);
   const auto begins_with = [&](std::string_view magic) {
     return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
   };

@@ -12,8 +12,8 @@
 
 #include "base/error.h"
 #include "colour/spaces.h"
-#include "renderer/output/atomic_file.h"
-#include "renderer/output/file_bytes.h"
+#include "base/atomic_file.h"
+#include "base/file_bytes.h"
 #include "renderer/output/pixel_hash.h"
 
 namespace kelpie {
@@ -242,7 +242,7 @@ EncodedFrame encode_exr(const FrameImage& image, const FrameHeader& header) {
 
 DecodedFrame decode_exr(std::span<const unsigned char> bytes, const std::string& name) { return decode(bytes, name, true); }
 
-DecodedFrame read_exr(const std::string& path) { return decode_exr(read_file_bytes(path), path); }
+DecodedFrame read_exr(const std::string& path) { return decode_exr(as_bytes(read_file_bytes(path)), path); }
 
 EncodedFrame write_exr(const std::string& path, const FrameImage& image, const FrameHeader& header) {
   EncodedFrame encoded = encode_exr(image, header);
@@ -253,12 +253,12 @@ EncodedFrame write_exr(const std::string& path, const FrameImage& image, const F
 
 bool frame_is_complete(const std::string& path, const std::string& scene_hash) {
   try {
-    const std::vector<unsigned char> bytes = read_file_bytes(path);
+    const std::string bytes = read_file_bytes(path);
     OIIO::Filesystem::IOMemReader reader(bytes.data(), bytes.size());
     std::string why;
     const std::unique_ptr<OIIO::ImageInput> input = open_exr(reader, why);
     if (!input || input->spec().get_string_attribute(k_scene_hash) != scene_hash) return false; // before any pixel is decoded
-    return decode(bytes, path, false).is_intact();
+    return decode(as_bytes(bytes), path, false).is_intact();
   } catch (const std::exception&) {
     return false;
   }

@@ -1,4 +1,4 @@
-#include "renderer/output/atomic_file.h"
+#include "base/atomic_file.h"
 
 #include <array>
 #include <atomic>
