@@ -1,0 +1,22 @@
+// How far a sum of blobs is from the mesh it stands for.
+#pragma once
+
+#include <vector>
+
+#include "morph/liquid/least_squares.h"
+#include "morph/liquid/surface_samples.h"
+
+namespace kelpie {
+
+/// Distances from random points of the mesh to {f = 1}, in units of the mesh (of diagonal 1).
+struct FitErrors {
+  double rms = 0, max = 0;
+  double lost = 0;  ///< share of points without a surface within 0.05; each counts as 0.05
+  double spurs = 0; ///< share of points 0.02 outside the mesh (where nothing of it is near) with f > 1
+};
+
+/// The distance of a point is the nearer of the first crossings on two lines, along the mesh's normal and along the field's
+/// gradient: an upper bound of the true one. (The normal alone misses a rounded rim that passes close by.)
+FitErrors measure_fit(const std::vector<BlobParameters>& blobs, const Mesh& unit, uint64_t seed);
+
+} // namespace kelpie

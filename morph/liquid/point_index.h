@@ -1,0 +1,50 @@
+// Nearest points, by nanoflann.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <nanoflann.hpp>
+
+#include "morph/liquid/surface_samples.h"
+
+namespace kelpie {
+
+/// A k-d tree over samples that outlive it.
+class PointIndex {
+public:
+  explicit PointIndex(std::span<const SurfaceSample> samples) : cloud_{samples}, tree_(3, cloud_) { tree_.buildIndex(); }
+
+  /// The index of the sample nearest to `p`; there must be one.
+  size_t nearest(const Vec3d& p) const {
+    size_t index = 0;
+    double squared = 0;
+    tree_.knnSearch(&p.x, 1, &index, &squared);
+    return index;
+  }
+
+  /// Calls `visit(index, distance)` for every sample within `radius` of `p`.
+  template <class Visit>
+  void visit_within(const Vec3d& p, double radius, Visit&& visit) const {
+    std::vector<std::pair<size_t, double>> found;
+    tree_.radiusSearch(&p.x, radius * radius, found, nanoflann::SearchParams(0, 0, false));
+    for (const auto& hit : found) visit(hit.first, std::sqrt(hit.second));
+  }
+
+private:
+  struct Cloud {
+    std::span<const SurfaceSample> samples;
+    size_t kdtree_get_point_count() const { return samples.size(); }
+    double kdtree_get_pt(size_t i, size_t axis) const { return samples[i].position[axis]; }
+    template <class Box>
+    bool kdtree_get_bbox(Box&) const {
+      return false;
+    }
+  };
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud, 3, size_t>;
+
+  Cloud cloud_;
+  Tree tree_;
+};
+
+} // namespace kelpie

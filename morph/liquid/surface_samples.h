@@ -1,0 +1,24 @@
+// Points spread evenly over a mesh.
+#pragma once
+
+#include <vector>
+
+#include "field/mesh/mesh.h"
+
+namespace kelpie {
+
+/// A point of the surface and the outward unit normal of its triangle, in the mesh's units.
+struct SurfaceSample {
+  Vec3d position{0};
+  Vec3d normal{0};
+};
+
+/// About `count` points no two of which are much closer than the others (Poisson-disc: neighbours keep a
+/// distance of 0.7 of the densest packing's). Deterministic; another `seed` gives other points. Triangles
+/// without area are passed over; a mesh without any yields no points.
+std::vector<SurfaceSample> spread_samples(const Mesh&, size_t count, uint64_t seed);
+
+/// Exactly `count` points, uniform and independent: for measuring.
+std::vector<SurfaceSample> random_samples(const Mesh&, size_t count, uint64_t seed);
+
+} // namespace kelpie
