@@ -16,7 +16,7 @@ constexpr size_t k_dense_per_blob = 24, k_fitted_per_blob = 12;
 
 double cpu_seconds() {
   timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
@@ -46,7 +46,7 @@ FitResult fit_blobs(const Mesh& mesh, const FitOptions& options, const std::stri
   result.sphere_tree_s = tree_done - start;
 
   samples.resize(std::min(samples.size(), k_fitted_per_blob * options.blobs)); // they come in no spatial order
-  const std::vector<BlobParameters> blobs = Fitter(std::move(samples), area, options.threads).fit(spheres, options.blobs);
+  const std::vector<BlobParameters> blobs = Fitter(std::move(samples), area).fit(spheres, options.blobs);
   result.fit_s = cpu_seconds() - tree_done;
 
   const FitErrors errors = measure_fit(blobs, unit, 2);

@@ -43,8 +43,7 @@ std::vector<BlobParameters> parameters(const std::vector<FitBlob>& blobs) {
 
 } // namespace
 
-Fitter::Fitter(std::vector<SurfaceSample> samples, double area, unsigned threads)
-    : samples_(std::move(samples)), poles_(find_poles(samples_, area)), threads_(threads) {
+Fitter::Fitter(std::vector<SurfaceSample> samples, double area) : samples_(std::move(samples)), poles_(find_poles(samples_, area)) {
   for (size_t i = 0; i < samples_.size(); ++i) add_constraints(i);
 }
 
@@ -56,7 +55,7 @@ std::vector<BlobParameters> Fitter::fit(std::span<const MedialSphere> spheres, s
   for (const BlobParameters& b : first) blobs.push_back({b, b});
   for (int round = 0; round < k_rounds; ++round) {
     if (round > 0 && round <= k_relocations) relocate(blobs, wanted);
-    improve_blobs(blobs, constraints_, threads_);
+    improve_blobs(blobs, constraints_);
     if (round >= k_relocations && rms_estimate(parameters(blobs)) < k_rms_goal) break;
   }
   return parameters(blobs);

@@ -13,7 +13,7 @@ namespace kelpie {
 class Fitter {
 public:
   /// `area` is that of the surface. About twelve samples per blob determine its five parameters well.
-  Fitter(std::vector<SurfaceSample> samples, double area, unsigned threads);
+  Fitter(std::vector<SurfaceSample> samples, double area);
 
   /// At most `wanted` blobs that start as the spheres.
   std::vector<BlobParameters> fit(std::span<const MedialSphere> spheres, size_t wanted) const;
@@ -29,7 +29,6 @@ private:
   std::vector<SurfaceSample> samples_;
   std::vector<Poles> poles_;
   std::vector<Constraint> constraints_;
-  unsigned threads_;
 };
 
 } // namespace kelpie

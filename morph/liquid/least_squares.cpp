@@ -143,12 +143,12 @@ BlobValue evaluate(const std::vector<BlobParameters>& blobs, const Vec3d& p) {
 
 double distance_estimate(const BlobValue& f) { return (f.value - 1) / std::max(glm::length(f.gradient), 10.0); }
 
-void improve_blobs(std::vector<FitBlob>& blobs, const std::vector<Constraint>& constraints, unsigned threads) {
+void improve_blobs(std::vector<FitBlob>& blobs, const std::vector<Constraint>& constraints) {
   ceres::Problem problem;
   for (FitBlob& b : blobs) add_blob(problem, b);
   for (const Constraint& c : constraints) add_constraint(problem, blobs, c);
   ceres::Solver::Options options;
-  options.num_threads = static_cast<int>(threads);
+  options.num_threads = 1;
   options.max_num_iterations = k_iterations;
   options.linear_solver_type = ceres::CGNR; // five times faster here than sparse Cholesky, for the same result
   options.max_linear_solver_iterations = k_linear_iterations;

@@ -38,7 +38,8 @@ struct FitBlob {
 
 /// Moves blobs so that {sum = 1} runs through the surface constraints and the others are on their sides; a
 /// few iterations of Levenberg–Marquardt with the distance estimate's denominators and the neighbours as they are
-/// at the beginning: call it some times. `threads` changes the time only.
-void improve_blobs(std::vector<FitBlob>& blobs, const std::vector<Constraint>&, unsigned threads);
+/// at the beginning: call it some times. On one
+/// thread: Ceres adds up gradients in the order in which threads come.
+void improve_blobs(std::vector<FitBlob>& blobs, const std::vector<Constraint>&);
 
 } // namespace kelpie

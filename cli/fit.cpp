@@ -1,0 +1,74 @@
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/atomic_file.h"
+#include "base/file_bytes.h"
+#include "cli/command.h"
+#include "cli/fit_options.h"
+#include "field/clouds/cloud_file.h"
+#include "morph/liquid/fit_cache.h"
+
+namespace kelpie {
+
+namespace {
+
+struct Options : FitCommandOptions {
+  std::string mesh, output, stats;
+  unsigned threads = 0;
+};
+
+void write_stats(const std::string& path, const FitResult& r) {
+  const nlohmann::ordered_json stats{{"version", KELPIE_VERSION},
+                                     {"blobs", r.blobs.size()},
+                                     {"sphere_tree_s", r.sphere_tree_s},
+                                     {"fit_s", r.fit_s},
+                                     {"rms", r.rms},
+                                     {"max", r.max},
+                                     {"lost", r.lost},
+                                     {"spurs", r.spurs},
+                                     {"cached", r.is_cached}};
+  write_file_atomically(path, as_bytes(stats.dump(2) + "\n"));
+}
+
+void fit(const Options& options) {
+  clean_up_on_signals();
+  const FitResult result = fit_and_report(options.mesh, options);
+  write_blob_cloud(options.output, result.blobs);
+  if (!options.stats.empty()) write_stats(options.stats, result);
+}
+
+} // namespace
+
+void add_fit_options(CLI::App& command, FitCommandOptions& o) {
+  command.add_option("--blobs", o.blobs, "how many blobs to fit")->check(CLI::Range(1, 20'000))->capture_default_str();
+  command.add_flag("--no-cache", o.no_cache, "fit anew, and keep nothing in ~/.cache/kelpie");
+}
+
+FitResult fit_and_report(const std::string& mesh_path, const FitCommandOptions& options) {
+  Diagnostics diagnostics;
+  FitResult r = fit_mesh_file(mesh_path, {options.blobs}, !options.no_cache, diagnostics);
+  if (r.lost > 0)
+    diagnostics.warning({mesh_path, 0, 0}, fmt::format("{:.2g} % of the mesh have no surface near: more blobs may help", 100 * r.lost));
+  if (r.spurs > 0)
+    diagnostics.warning({mesh_path, 0, 0},
+                        fmt::format("the field sticks out by 2 % of the diagonal over {:.2g} % of the mesh", 100 * r.spurs));
+  print_warnings(diagnostics);
+  fmt::print(stderr, "{}: {} blobs, off by {:.3f} % of the diagonal (rms; at most {:.2f} %); {}\n", mesh_path, r.blobs.size(), 100 * r.rms,
+             100 * r.max,
+             r.is_cached ? std::string("from the cache") : fmt::format("sphere tree {:.1f} s, fit {:.1f} s", r.sphere_tree_s, r.fit_s));
+  return r;
+}
+
+void add_fit(CLI::App& app) {
+  CLI::App& command = *app.add_subcommand("fit", "fit blobs to a mesh");
+  auto options = std::make_shared<Options>();
+  command.add_option("MESH", options->mesh, "an OBJ, PLY, OFF or STL file")->required();
+  command.add_option("-o,--output", options->output, "the cloud: a PLY file of vertices x y z radius weight")->required();
+  add_fit_options(command, *options);
+  command.add_option("-j,--threads", options->threads, "accepted everywhere; a fit takes one thread")->check(CLI::Range(0, 4096));
+  command.add_option("--stats", options->stats, "write the figures to a JSON file");
+  command.footer("Example:\n  kelpie fit bunny.obj -o bunny_blobs.ply --blobs 500 --stats fit.json");
+  command.callback([=] { fit(*options); });
+}
+
+} // namespace kelpie

@@ -1,0 +1,23 @@
+// What `kelpie fit` and `kelpie liquid` share.
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "morph/liquid/fit.h"
+
+namespace kelpie {
+
+struct FitCommandOptions {
+  size_t blobs = 500;
+  bool no_cache = false;
+};
+
+/// Adds --blobs and --no-cache.
+void add_fit_options(CLI::App& command, FitCommandOptions& options);
+
+/// Fits the mesh (or takes the fit from the cache); prints warnings and one line of figures to stderr.
+FitResult fit_and_report(const std::string& mesh_path, const FitCommandOptions& options);
+
+} // namespace kelpie
