@@ -36,9 +36,8 @@ void add_progress_option(CLI::App& app, ProgressMode& mode) {
                                                          {"plain", ProgressMode::plain},
                                                          {"jsonl", ProgressMode::jsonl},
                                                          {"none", ProgressMode::none}};
-  app.add_option("--progress", mode, "Progress on stderr: auto (a bar on a terminal, lines otherwise), bar, plain, jsonl, none")
-      ->transform(CLI::Transformer(names, "MODE"))
-      ->check(CLI::IsMember(names))
+  app.add_option("--progress", mode, "progress on stderr: auto (a bar on a terminal, lines otherwise), bar, plain, jsonl or none [auto]")
+      ->transform(CLI::CheckedTransformer(names).description(""))
       ->option_text("MODE");
 }
 

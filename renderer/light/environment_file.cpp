@@ -6,10 +6,10 @@
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
+#include "base/file_bytes.h"
 #include "colour/spaces.h"
 #include "renderer/light/environment_map.h"
 #include "renderer/output/exr.h"
-#include "base/file_bytes.h"
 
 namespace kelpie {
 

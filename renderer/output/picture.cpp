@@ -1,0 +1,162 @@
+#include "renderer/output/picture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "colour/spaces.h"
+
+namespace kelpie {
+
+namespace {
+
+constexpr float k_miss = 1e9f; // Z of a pixel that shows nothing is 1e10
+
+using Channels = std::array<const FrameChannel*, 3>;
+
+/// NAME's channels by these suffixes; false unless all three are there.
+bool find_group(const FrameImage& image, const std::string& name, const char* suffixes, Channels& found) {
+  for (size_t c = 0; c < 3; ++c) {
+    found[c] = image.find(name.empty() ? std::string(1, suffixes[c]) : fmt::format("{}.{}", name, suffixes[c]));
+    if (!found[c]) return false;
+  }
+  return true;
+}
+
+/// A black picture of the display window, filled from the data window: value(channel 0..2, index of the pixel).
+template <class Value>
+Picture fill(const FrameImage& image, bool is_light, Value&& value) {
+  Picture picture{image.resolution.x, image.resolution.y, {}, is_light};
+  picture.rgb.resize(picture.pixel_count() * 3);
+  const PixelBox& window = image.data_window;
+  for (int y = std::max(window.y0, 0); y < std::min(window.y1, picture.height); ++y)
+    for (int x = std::max(window.x0, 0); x < std::min(window.x1, picture.width); ++x) {
+      const size_t from = image.index(x, y), to = 3 * (size_t(y) * size_t(picture.width) + size_t(x));
+      for (size_t c = 0; c < 3; ++c) picture.rgb[to + c] = value(c, from);
+    }
+  return picture;
+}
+
+/// The extent of a channel's values where something was hit.
+struct Extent {
+  float lower = INFINITY, upper = -INFINITY;
+  float fraction(float v) const { return upper > lower ? (v - lower) / (upper - lower) : 0; }
+};
+
+template <class IsHit>
+Extent extent_of(const FrameChannel& channel, IsHit&& is_hit) {
+  Extent e;
+  for (size_t i = 0; i < channel.pixels.size(); ++i)
+    if (is_hit(i)) e.lower = std::min(e.lower, channel.pixels[i]), e.upper = std::max(e.upper, channel.pixels[i]);
+  return e;
+}
+
+Picture depth_picture(const FrameImage& image, const FrameChannel& z) {
+  const auto is_hit = [&](size_t i) { return z.pixels[i] < k_miss; };
+  const Extent extent = extent_of(z, is_hit);
+  return fill(image, false, [&](size_t, size_t i) { return is_hit(i) ? 1 - 0.85f * extent.fraction(z.pixels[i]) : 0.f; });
+}
+
+Picture position_picture(const FrameImage& image, const Channels& p) {
+  const auto is_hit = [&](size_t i) { return p[0]->pixels[i] != 0 || p[1]->pixels[i] != 0 || p[2]->pixels[i] != 0; };
+  const std::array<Extent, 3> extents{extent_of(*p[0], is_hit), extent_of(*p[1], is_hit), extent_of(*p[2], is_hit)};
+  return fill(image, false, [&](size_t c, size_t i) { return is_hit(i) ? extents[c].fraction(p[c]->pixels[i]) : 0.f; });
+}
+
+Picture normal_picture(const FrameImage& image, const Channels& n) {
+  return fill(image, false, [&](size_t c, size_t i) {
+    const bool is_hit = n[0]->pixels[i] != 0 || n[1]->pixels[i] != 0 || n[2]->pixels[i] != 0;
+    return is_hit ? 0.5f + 0.5f * n[c]->pixels[i] : 0.f;
+  });
+}
+
+Picture grey_picture(const FrameImage& image, const FrameChannel& channel) {
+  if (channel.name == "A") return fill(image, false, [&](size_t, size_t i) { return channel.pixels[i]; });
+  const Extent extent = extent_of(channel, [](size_t) { return true; });
+  return fill(image, false, [&](size_t, size_t i) { return extent.fraction(channel.pixels[i]); });
+}
+
+Picture light_picture(const DecodedFrame& frame, const Channels& channels) {
+  Picture picture = fill(frame.image, true, [&](size_t c, size_t i) { return channels[c]->pixels[i]; });
+  if (frame.chromaticities && frame.chromaticities != scene_linear_chromaticities())
+    to_scene_linear(picture.rgb.data(), picture.pixel_count(), 3, *frame.chromaticities);
+  else if (!frame.chromaticities && frame.claimed_hash.empty())
+    to_scene_linear(picture.rgb.data(), picture.pixel_count(), 3, k_space_linear_rec709);
+  return picture;
+}
+
+} // namespace
+
+Picture picture_of(const DecodedFrame& frame, const std::string& name) {
+  const FrameImage& image = frame.image;
+  Channels group;
+  if (find_group(image, name, "RGB", group)) return light_picture(frame, group);
+  if (name == "Z" && image.find(name)) return depth_picture(image, *image.find(name));
+  if (find_group(image, name, "XYZ", group)) return name == "N" ? normal_picture(image, group) : position_picture(image, group);
+  if (const FrameChannel* channel = image.find(name.empty() ? "Y" : name)) {
+    if (name.empty()) return light_picture(frame, {channel, channel, channel}); // EXR's luminance pictures
+    return grey_picture(image, *channel);
+  }
+  std::vector<std::string> names;
+  for (const FrameChannel& c : image.channels) names.push_back(c.name);
+  throw Error(ExitStatus::usage, fmt::format("no channel \"{}\"; there are: {}", name.empty() ? "R" : name, fmt::join(names, ", ")));
+}
+
+Picture resize(const Picture& picture, int width) {
+  const int height = std::max(1, static_cast<int>(std::lround(double(picture.height) * width / picture.width)));
+  Picture resized{width, height, std::vector<float>(size_t(width) * size_t(height) * 3), picture.is_light};
+  const OIIO::ImageBuf from(OIIO::ImageSpec(picture.width, picture.height, 3, OIIO::TypeDesc::FLOAT),
+                            const_cast<float*>(picture.rgb.data()));
+  OIIO::ImageBuf to(OIIO::ImageSpec(width, height, 3, OIIO::TypeDesc::FLOAT), resized.rgb.data());
+  if (!OIIO::ImageBufAlgo::resize(to, from, "blackman-harris")) throw Error(ExitStatus::internal, "resizing failed: " + to.geterror());
+  return resized;
+}
+
+void develop(Picture& picture, const DisplayView& view, float exposure) {
+  if (!picture.is_light) {
+    for (float& v : picture.rgb) v = v > 0 ? std::min(v, 1.f) : 0.f;
+    return;
+  }
+  const float scale = std::exp2(exposure);
+  if (exposure != 0)
+    for (float& v : picture.rgb) v *= scale;
+  view.apply(picture.rgb.data(), picture.pixel_count(), 3);
+}
+
+std::vector<uint8_t> to_8_bit(const Picture& picture) {
+  std::vector<uint8_t> bytes(picture.rgb.size());
+  std::transform(picture.rgb.begin(), picture.rgb.end(), bytes.begin(), [](float v) { return static_cast<uint8_t>(v * 255 + 0.5f); });
+  return bytes;
+}
+
+std::vector<unsigned char> encode_png(const Picture& picture, int bits, bool is_srgb) {
+  OIIO::ImageSpec spec(picture.width, picture.height, 3, bits == 16 ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8);
+  if (is_srgb) spec.attribute("oiio:ColorSpace", "sRGB");
+  std::vector<unsigned char> bytes;
+  OIIO::Filesystem::IOVecOutput stream(bytes);
+  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
+  const auto check = [&](bool is_good) {
+    if (!is_good) throw Error(ExitStatus::internal, "the PNG encoder failed: " + (output ? output->geterror() : OIIO::geterror()));
+  };
+  check(output && output->set_ioproxy(&stream) && output->open("memory.png", spec));
+  if (bits == 16) {
+    std::vector<uint16_t> values(picture.rgb.size());
+    std::transform(picture.rgb.begin(), picture.rgb.end(), values.begin(), [](float v) { return static_cast<uint16_t>(v * 65535 + 0.5f); });
+    check(output->write_image(OIIO::TypeDesc::UINT16, values.data()));
+  } else {
+    const std::vector<uint8_t> values = to_8_bit(picture);
+    check(output->write_image(OIIO::TypeDesc::UINT8, values.data()));
+  }
+  check(output->close());
+  return bytes;
+}
+
+} // namespace kelpie
