@@ -1,0 +1,108 @@
+// Cells are what is left of a field: whatever was pruned away must not show.
+#include <gtest/gtest.h>
+
+#include "renderer/program/bound.h"
+#include "renderer/trace/solve.h"
+#include "tests/support/random_scene.h"
+
+namespace kelpie {
+namespace {
+
+/// The field as a cell has it, by the formulas of cells.h.
+double cell_value(const ShapeCells& shape, const Cell& cell, const Vec3d& p) {
+  if (cell.content == Cell::Content::code) return evaluate(shape.program, shape.code(cell), Point3<double>{p.x, p.y, p.z});
+  const float* data = shape.blobs(cell);
+  const size_t n = cell.count;
+  double sum = 0;
+  for (size_t i = 0; i < n; ++i) {
+    const Vec3d d = p - Vec3d(data[i], data[n + i], data[2 * n + i]);
+    const double q = std::max(0.0, data[3 * n + i] - data[4 * n + i] * glm::dot(d, d));
+    const bool is_pure = cell.content == Cell::Content::pure_blobs;
+    sum += is_pure ? q * q : q * q * (data[5 * n + i] + data[6 * n + i] * q);
+  }
+  return sum;
+}
+
+Vec3d random_point_in(Random& r, const Box3& box) { return r.in(Box3d{Vec3d(box.lower), Vec3d(box.upper)}); }
+
+/// Inside and outside are the same as of the whole field at random points of every cell; on the surface so
+/// is the gradient.
+void expect_pruned_equals_full(const SampledField& field, double threshold, const CellLimits& limits = {}) {
+  const ShapeCells shape = build_cells(compile(field, threshold), limits);
+  const FieldProgram& program = shape.program;
+  Random r(7);
+  const double noise = 1e-5 * threshold; // cells hold float32
+  size_t compared = 0;
+  for (const Cell& cell : shape.cells)
+    for (int i = 0; i < 8; ++i) {
+      const Vec3d p = random_point_in(r, cell.box);
+      const double whole = evaluate(program, program.code, Point3<double>{p.x, p.y, p.z});
+      if (std::abs(whole - threshold) < noise) continue;
+      ASSERT_EQ(whole > threshold, cell_value(shape, cell, p) > threshold) << "at " << p.x << ' ' << p.y << ' ' << p.z;
+      ++compared;
+    }
+  EXPECT_TRUE(compared > 0 || shape.cells.empty());
+}
+
+TEST(Cells, PrunedEqualsFullInClouds) {
+  for (const Falloff f : {Falloff::quartic, Falloff::cubic, Falloff::wyvill})
+    for (const BlobCloud& cloud : {coincident_cloud(f), thin_cloud(f), negative_cloud(f)}) expect_pruned_equals_full(field_of(cloud), 1);
+}
+
+TEST(Cells, PrunedEqualsFullInTrees) {
+  for (unsigned trial = 0; trial < 300; ++trial) {
+    SCOPED_TRACE(trial);
+    Random r(trial);
+    SampledField field;
+    random_tree(r, 1 + int(trial % 4), field);
+    expect_pruned_equals_full(field, trial % 2 ? 1 : 0.6, k_small_cells);
+    if (HasFatalFailure()) return;
+  }
+}
+
+// Wherever the field crosses the threshold there is a cell: points close together, one on either side.
+TEST(Cells, HoldTheWholeSurface) {
+  for (unsigned trial = 0; trial < 60; ++trial) {
+    SCOPED_TRACE(trial);
+    Random r(trial);
+    SampledField field;
+    random_tree(r, 1 + int(trial % 3), field);
+    const ShapeCells shape = build_cells(compile(field, 1), k_small_cells);
+    const FieldProgram& program = shape.program;
+    if (program.support.is_empty()) continue;
+    const auto inside = [&](const Vec3d& p) { return evaluate(program, program.code, Point3<double>{p.x, p.y, p.z}) > 1; };
+    for (int i = 0; i < 300; ++i) {
+      Vec3d a = r.in(program.support), b = r.in(program.support);
+      if (inside(a) == inside(b)) continue;
+      for (int k = 0; k < 50; ++k) (inside(0.5 * (a + b)) == inside(a) ? a : b) = 0.5 * (a + b);
+      const bool held =
+          std::any_of(shape.cells.begin(), shape.cells.end(), [&](const Cell& c) { return c.box.padded(1e-5f).contains(Vec3(a)); });
+      EXPECT_TRUE(held) << "no cell at " << a.x << ' ' << a.y << ' ' << a.z;
+    }
+  }
+}
+
+// Bounds of every step of a program contain samples of it, in boxes of any size.
+TEST(Cells, BoundsContainSamples) {
+  for (unsigned trial = 0; trial < 300; ++trial) {
+    SCOPED_TRACE(trial);
+    Random r(trial);
+    SampledField field;
+    random_tree(r, 1 + int(trial % 3), field);
+    const FieldProgram program = compile(field, 1);
+    if (program.support.is_empty()) continue;
+    const Vec3d centre = r.in(program.support), half(r.log_uniform(1e-3, 1), r.log_uniform(1e-3, 1), r.log_uniform(1e-3, 1));
+    const Box3d box{centre - half, centre + half};
+    std::vector<Interval> ranges;
+    bound(program, program.code, box, ranges);
+    for (int i = 0; i < 50; ++i) {
+      const Vec3d p = r.in(box);
+      const double f = evaluate(program, program.code, Point3<double>{p.x, p.y, p.z});
+      EXPECT_LE(ranges.back().lo - 1e-5, f); // 1e-5: sums of blobs are bounded in float32
+      EXPECT_GE(ranges.back().hi + 1e-5, f);
+    }
+  }
+}
+
+} // namespace
+} // namespace kelpie
