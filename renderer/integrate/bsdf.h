@@ -37,6 +37,13 @@ public:
   bool is_delta() const { return is_metal_ && alpha_ == 0; }
   bool is_glossy() const { return is_metal_; }
 
+  /// The same with a GGX width of `alpha` or more; matte surfaces as they are.
+  Bsdf at_least_as_rough_as(float alpha) const {
+    Bsdf b = *this;
+    b.alpha_ = std::max(alpha_, alpha);
+    return b;
+  }
+
   /// bsdf * cosine of the incoming direction; 0 below the horizon.
   Vec3 evaluate(const Vec3& out, const Vec3& in) const;
   float pdf(const Vec3& out, const Vec3& in) const;

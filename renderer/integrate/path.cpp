@@ -10,6 +10,10 @@ float mis_weight(float pdf, float other) {
   return a / (a + b);
 }
 
+/// Seen from a matte surface, a polished metal focuses light into caustics that a path finds once in a
+/// thousand tries: fireflies. There its lobe is widened to this (path regularisation, after Kaplanyan and
+/// Dachsbacher 2013): caustics become softer, light is neither lost nor made.
+constexpr float k_alpha_after_matte = 0.3f;
 /// From here on, dim paths are ended by chance.
 constexpr int k_roulette_from = 4;
 
@@ -34,7 +38,7 @@ struct PathTracer::Vertex {
   bool is_back;
   Frame frame;
   Vec3 out; ///< towards the viewer, local
-  const Bsdf& bsdf;
+  Bsdf bsdf;
   int inside;
 };
 
@@ -48,21 +52,28 @@ PathResult PathTracer::trace(Ray ray, Sampler& sampler, RayCounters& counters) c
   PathResult result;
   Vec3 throughput(1);
   BsdfSample scattered;
+  bool seeks_light = false; // whether the scattered ray's light counts
+  bool after_matte = false;
   ++counters.camera;
   for (int bounce = 0;; ++bounce) {
     Hit hit;
     if (!tracer_.intersect(ray, counters.solve, hit)) {
-      result.radiance += bounce == 0 ? background(ray.direction) : throughput * escaped(ray.direction, scattered);
+      if (bounce == 0) result.radiance = background(ray.direction);
+      if (seeks_light) result.radiance += throughput * escaped(ray.direction, scattered);
       return result;
     }
-    const Vertex vertex(hit, ray.direction, bsdfs_[hit.shape], ray.inside);
+    const Bsdf& surface = bsdfs_[hit.shape];
+    const Vertex vertex(hit, ray.direction, after_matte ? surface.at_least_as_rough_as(k_alpha_after_matte) : surface, ray.inside);
+    after_matte = after_matte || !surface.is_glossy();
     if (bounce == 0) result.is_hit = true, result.hit = hit, result.albedo = vertex.bsdf.albedo();
 
+    // On a matte surface the samples of lights alone are the best estimate of direct light (their density
+    // follows the radiance, so only the cosine varies): a scattered ray that finds light adds noise. On a
+    // glossy one both are weighed, even on the last vertex: highlights are direct light.
     const bool is_last = bounce >= bounces_;
-    // On the last vertex a glossy surface still sends one ray to find light: its highlights are direct light.
-    const bool scatters = !is_last || (vertex.bsdf.is_glossy() && has_extended_light_);
-    result.radiance += throughput * direct_light(vertex, scatters, sampler, counters);
-    if (!scatters) return result;
+    seeks_light = vertex.bsdf.is_glossy() && has_extended_light_;
+    result.radiance += throughput * direct_light(vertex, seeks_light, sampler, counters);
+    if (is_last && !seeks_light) return result;
 
     scattered = vertex.bsdf.sample(vertex.out, sampler.next_pair());
     if (scattered.pdf <= 0) return result;
@@ -91,7 +102,7 @@ Vec3 PathTracer::background(const Vec3& direction) const {
   return sum;
 }
 
-Vec3 PathTracer::direct_light(const Vertex& vertex, bool scatters, Sampler& sampler, RayCounters& counters) const {
+Vec3 PathTracer::direct_light(const Vertex& vertex, bool competes, Sampler& sampler, RayCounters& counters) const {
   Vec3 sum(0);
   for (const Light& light : lights_) {
     const Vec2 u = light.is_delta() ? Vec2(0) : sampler.next_pair();
@@ -103,8 +114,7 @@ Vec3 PathTracer::direct_light(const Vertex& vertex, bool scatters, Sampler& samp
     if (reflected == Vec3(0)) continue;
     ++counters.shadow;
     if (tracer_.occluded(vertex.leave(arrival.direction), counters.solve)) continue;
-    const bool competes = scatters && !arrival.is_delta;
-    sum += reflected * ((competes ? mis_weight(arrival.pdf, vertex.bsdf.pdf(vertex.out, in)) : 1.f) / arrival.pdf);
+    sum += reflected * ((competes && !arrival.is_delta ? mis_weight(arrival.pdf, vertex.bsdf.pdf(vertex.out, in)) : 1.f) / arrival.pdf);
   }
   return sum;
 }

@@ -38,7 +38,7 @@ private:
   struct Vertex;
 
   Vec3 background(const Vec3& direction) const;
-  Vec3 direct_light(const Vertex& vertex, bool scatters, Sampler& sampler, RayCounters& counters) const;
+  Vec3 direct_light(const Vertex& vertex, bool competes, Sampler& sampler, RayCounters& counters) const;
   Vec3 escaped(const Vec3& direction, const BsdfSample& scattered) const;
 
   const Tracer& tracer_;

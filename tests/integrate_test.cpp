@@ -1,0 +1,234 @@
+// Light transport against what is known in closed form.
+#include <atomic>
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "renderer/film/pixel_filter.h"
+#include "renderer/integrate/integrate.h"
+
+namespace kelpie {
+namespace {
+
+constexpr double k_pi = 3.14159265358979;
+
+Bsdf metal(float roughness, float reflectance = 1) {
+  Metal<SampledMode> m;
+  m.colour.rgb = Vec3(reflectance), m.roughness = roughness;
+  return Bsdf(SurfaceKinds::Variant<SampledMode>(m));
+}
+
+Bsdf matte(float albedo) {
+  Matte<SampledMode> m;
+  m.colour.rgb = Vec3(albedo);
+  return Bsdf(SurfaceKinds::Variant<SampledMode>(m));
+}
+
+Vec3 direction(double cosine, double phi) {
+  const double sine = std::sqrt(1 - cosine * cosine);
+  return Vec3(sine * std::cos(phi), sine * std::sin(phi), cosine);
+}
+
+// The property that makes few samples enough: every 16 samples of a pixel fill all elementary intervals.
+TEST(Sampler, EveryPairOfEveryPixelIsStratified) {
+  for (uint32_t pixel = 0; pixel < 200; ++pixel)
+    for (int pair = 0; pair < 4; ++pair) {
+      std::array<int, 16> columns{}, rows{}, squares{};
+      for (uint32_t s = 0; s < 16; ++s) {
+        Sampler sampler(pixel, 3 * pixel + 1, 7, s);
+        Vec2 u(0);
+        for (int i = 0; i <= pair; ++i) u = sampler.next_pair();
+        ++columns[size_t(u.x * 16)], ++rows[size_t(u.y * 16)], ++squares[size_t(u.x * 4) * 4 + size_t(u.y * 4)];
+      }
+      for (size_t i = 0; i < 16; ++i) {
+        ASSERT_EQ(columns[i], 1);
+        ASSERT_EQ(rows[i], 1);
+        ASSERT_EQ(squares[i], 1);
+      }
+    }
+}
+
+TEST(PixelFilter, OffsetsAreCentredAndOfTheFiltersWidth) {
+  for (const PixelFilter kind : {PixelFilter::centre, PixelFilter::box, PixelFilter::gaussian}) {
+    const PixelFilterSampler filter(kind);
+    double mean = 0, square = 0;
+    constexpr int n = 4096;
+    for (int i = 0; i < n; ++i) {
+      const double x = filter.offset(Vec2((float(i) + 0.5f) / n, 0.5f)).x;
+      mean += x / n, square += x * x / n;
+    }
+    EXPECT_NEAR(mean, 0, 1e-3);
+    const double expected = kind == PixelFilter::centre ? 0 : kind == PixelFilter::box ? 1 / std::sqrt(12.0) : 0.47; // cut off: a little below 0.5
+    EXPECT_NEAR(std::sqrt(square), expected, 0.01);
+  }
+}
+
+// sample() reports the density that pdf() computes, and weight * pdf is what evaluate() says.
+TEST(Bsdf, SamplesAgreeWithEvaluation) {
+  for (const Bsdf& bsdf : {matte(0.7f), metal(0.2f, 0.8f), metal(0.5f, 0.8f), metal(1, 0.8f)})
+    for (const double cosine : {0.95, 0.5, 0.1}) {
+      const Vec3 out = direction(cosine, 0.4);
+      for (uint32_t s = 0; s < 500; ++s) {
+        const BsdfSample sample = bsdf.sample(out, Sampler(1, 2, 3, s).next_pair());
+        if (sample.pdf <= 0) continue;
+        EXPECT_NEAR(sample.pdf, bsdf.pdf(out, sample.direction), 2e-3f * sample.pdf);
+        const Vec3 f = bsdf.evaluate(out, sample.direction);
+        EXPECT_NEAR(f.x, sample.weight.x * sample.pdf, 3e-3f * f.x + 1e-6f);
+      }
+    }
+}
+
+// The density of all directions is 1; below the horizon only what single scattering loses.
+TEST(Bsdf, DensityIntegratesToOneAndNoEnergyIsMade) {
+  for (const Bsdf& bsdf : {matte(1), metal(0.5f), metal(1)})
+    for (const double cosine : {0.9, 0.4}) {
+      const Vec3 out = direction(cosine, 0);
+      double density = 0, albedo = 0;
+      constexpr int n = 400;
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+          const Vec3 in = direction((i + 0.5) / n, 2 * k_pi * (j + 0.5) / n);
+          density += bsdf.pdf(out, in) * 2 * k_pi / (n * n);
+          albedo += bsdf.evaluate(out, in).x * 2 * k_pi / (n * n);
+        }
+      EXPECT_LE(density, 1.002);
+      EXPECT_GE(density, bsdf.is_glossy() ? 0.5 : 0.998); // directions below the horizon are no samples
+      EXPECT_LE(albedo, 1.002);
+      EXPECT_GE(albedo, bsdf.is_glossy() ? 0.3 : 0.998);
+    }
+}
+
+TEST(Lights, SunGivesItsStrengthWhateverItsAngle) {
+  for (const float angle : {0.f, 0.53f, 20.f, 90.f}) {
+    SunLight<SampledMode> sun;
+    sun.direction = Vec3(0, 1, 0), sun.strength = 3, sun.angle = angle;
+    const Light light(sun);
+    double irradiance = 0;
+    constexpr uint32_t n = 4096;
+    for (uint32_t s = 0; s < n; ++s) {
+      const Arrival a = light.sample(Sampler(0, 0, 0, s).next_pair());
+      irradiance += a.radiance.x * a.direction.y / a.pdf / n;
+      EXPECT_FLOAT_EQ(a.is_delta ? 0 : light.seen_along(a.direction).pdf, a.is_delta ? 0 : a.pdf);
+    }
+    EXPECT_NEAR(irradiance, 3, 3e-3) << angle;
+  }
+}
+
+// --- whole frames ---
+
+FrameScene blob_in_white(SurfaceKinds::Variant<SampledMode> surface) {
+  FrameScene scene;
+  SampledShape shape;
+  Point<SampledMode> point;
+  point.radius = 1, point.weight = 2;
+  shape.field.nodes.emplace_back(point);
+  shape.surface = surface;
+  scene.shapes.push_back(std::move(shape));
+  EnvironmentLight<SampledMode> light;
+  light.preset = EnvironmentPreset::white;
+  scene.lights.emplace_back(light);
+  scene.camera.position = Vec3(0, 0, 3);
+  scene.film.resolution = {48, 32}, scene.film.spp = 16, scene.film.bounces = 4;
+  return scene;
+}
+
+IntegrateResult render(const FrameScene& scene) {
+  Diagnostics diagnostics;
+  EnvironmentCache cache;
+  const std::vector<Light> lights = make_lights(scene, cache, diagnostics);
+  const std::atomic<bool> stop{false};
+  const Tracer tracer(scene);
+  return integrate(scene, tracer, lights, {0, 0, scene.film.resolution.x, scene.film.resolution.y}, [](double) {}, stop);
+}
+
+// A convex body in light that is the same from everywhere reflects its albedo, at every bounce limit.
+TEST(Integrate, WhiteFurnace) {
+  for (const int bounces : {0, 1, 4})
+    for (const float albedo : {1.f, 0.5f}) {
+      Matte<SampledMode> m;
+      m.colour.rgb = Vec3(albedo);
+      FrameScene scene = blob_in_white(m);
+      scene.film.bounces = bounces, scene.film.background.kind = Background::Kind::transparent;
+      const IntegrateResult result = render(scene);
+      double sum = 0, coverage = 0;
+      for (const float v : result.image.find("R")->pixels) sum += v;
+      for (const float v : result.image.find("A")->pixels) coverage += v;
+      ASSERT_GT(coverage, 50);
+      EXPECT_NEAR(sum / coverage, albedo, 0.01 * albedo) << bounces;
+    }
+}
+
+// A perfect mirror in white light cannot be told from the light.
+TEST(Integrate, MirrorInWhiteLightIsInvisible) {
+  Metal<SampledMode> m;
+  m.colour.rgb = Vec3(1), m.roughness = 0;
+  const IntegrateResult result = render(blob_in_white(m));
+  for (const float v : result.image.find("G")->pixels) EXPECT_NEAR(v, 1, 1e-4);
+}
+
+// A facing plane under a sun of irradiance E reflects albedo E / pi.
+TEST(Integrate, SunOnAPlane) {
+  FrameScene scene;
+  SampledShape shape;
+  Plane<SampledMode> plane;
+  plane.normal = Vec3(0, 0, 1);
+  shape.geometry = plane;
+  Matte<SampledMode> m;
+  m.colour.rgb = Vec3(0.5f);
+  shape.surface = m;
+  scene.shapes.push_back(shape);
+  SunLight<SampledMode> sun;
+  sun.direction = Vec3(0, 0, 1), sun.strength = 2, sun.angle = 0;
+  scene.lights.emplace_back(sun);
+  scene.camera.position = Vec3(0, 0, 3), scene.film.resolution = {8, 8}, scene.film.spp = 1;
+  const IntegrateResult result = render(scene);
+  for (const float v : result.image.find("B")->pixels) EXPECT_NEAR(v, 0.5 * 2 / k_pi, 1e-5);
+}
+
+TEST(Integrate, GeometryOfTheCentralSample) {
+  FrameScene scene = blob_in_white(Matte<SampledMode>{});
+  scene.film.filter = PixelFilter::centre, scene.film.spp = 1, scene.film.resolution = {33, 33};
+  const IntegrateResult result = render(scene);
+  const size_t middle = result.image.index(16, 16), corner = result.image.index(0, 0);
+  const double radius = std::sqrt(1 - std::sqrt(0.5)); // 2 (1 - r^2)^2 = 1
+  EXPECT_NEAR(result.image.find("Z")->pixels[middle], 3 - radius, 1e-5);
+  EXPECT_NEAR(result.image.find("P.Z")->pixels[middle], radius, 1e-5);
+  EXPECT_NEAR(result.image.find("N.Z")->pixels[middle], 1, 1e-5);
+  EXPECT_EQ(result.image.find("Z")->pixels[corner], 1e10f);
+  EXPECT_EQ(result.image.find("A")->pixels[corner], 0);
+  EXPECT_EQ(result.image.find("N.X")->pixels[corner], 0);
+}
+
+// From within, the surface is seen at the far side, lit by nothing but itself.
+TEST(Integrate, CameraInsideAShapeSeesItsInside) {
+  FrameScene scene = blob_in_white(Matte<SampledMode>{});
+  scene.camera.position = Vec3(0, 0, 0), scene.camera.look_at = Vec3(0, 0, -1);
+  scene.film.resolution = {16, 16};
+  const IntegrateResult result = render(scene);
+  for (const float v : result.image.find("A")->pixels) EXPECT_EQ(v, 1);
+  for (const float v : result.image.find("R")->pixels) EXPECT_EQ(v, 0);
+  EXPECT_EQ(result.nonfinite, 0u);
+}
+
+TEST(Integrate, AnyNumberOfThreadsAndAnyCropMakeTheSamePixels) {
+  FrameScene scene = blob_in_white(Metal<SampledMode>{});
+  std::vector<std::vector<float>> reds;
+  for (const size_t threads : {1, 2, 4}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    reds.push_back(render(scene).image.find("R")->pixels);
+  }
+  EXPECT_EQ(reds[0], reds[1]);
+  EXPECT_EQ(reds[0], reds[2]);
+
+  Diagnostics diagnostics;
+  EnvironmentCache cache;
+  const std::vector<Light> lights = make_lights(scene, cache, diagnostics);
+  const std::atomic<bool> stop{false};
+  const IntegrateResult crop = integrate(scene, Tracer(scene), lights, {13, 9, 31, 22}, [](double) {}, stop);
+  for (int y = 9; y < 22; ++y)
+    for (int x = 13; x < 31; ++x) ASSERT_EQ(crop.image.find("R")->pixels[crop.image.index(x, y)], reds[0][size_t(y * 48 + x)]);
+}
+
+} // namespace
+} // namespace kelpie
