@@ -41,7 +41,6 @@ void fit(const Options& options) {
 
 void add_fit_options(CLI::App& command, FitCommandOptions& o) {
   command.add_option("--blobs", o.blobs, "how many blobs to fit")->check(CLI::Range(1, 20'000))->capture_default_str();
-  command.add_flag("--no-cache", o.no_cache, "fit anew, and keep nothing in ~/.cache/kelpie");
 }
 
 FitResult fit_and_report(const std::string& mesh_path, const FitCommandOptions& options) {
@@ -65,6 +64,7 @@ void add_fit(CLI::App& app) {
   command.add_option("MESH", options->mesh, "an OBJ, PLY, OFF or STL file")->required();
   command.add_option("-o,--output", options->output, "the cloud: a PLY file of vertices x y z radius weight")->required();
   add_fit_options(command, *options);
+  command.add_flag("--no-cache", options->no_cache, "fit anew, and keep nothing in ~/.cache/kelpie");
   command.add_option("-j,--threads", options->threads, "accepted everywhere; a fit takes one thread")->check(CLI::Range(0, 4096));
   command.add_option("--stats", options->stats, "write the figures to a JSON file");
   command.footer("Example:\n  kelpie fit bunny.obj -o bunny_blobs.ply --blobs 500 --stats fit.json");

@@ -14,7 +14,7 @@ struct FitCommandOptions {
   bool no_cache = false;
 };
 
-/// Adds --blobs and --no-cache.
+/// Adds --blobs.
 void add_fit_options(CLI::App& command, FitCommandOptions& options);
 
 /// Fits the mesh (or takes the fit from the cache); prints warnings and one line of figures to stderr.

@@ -9,6 +9,8 @@ namespace {
 
 constexpr double k_most_gain = 64;
 
+constexpr size_t k_extent_cells = 1'000'000;
+
 /// Adds the blob's potential at the cells x = first..last of the row through (y, z) at distance^2 `yz` of its centre.
 void add_row(const Blob& b, const FalloffPolynomial& p, float x0, float step, float yz, int first, int last, float* row) {
   const float inverse = 1 / (b.radius * b.radius);
@@ -56,6 +58,27 @@ std::vector<float> VolumeGrid::potentials(const BlobCloud& cloud) const {
 double VolumeGrid::volume(const BlobCloud& cloud) const {
   const std::vector<float> sums = potentials(cloud);
   return static_cast<double>(std::count_if(sums.begin(), sums.end(), [](float f) { return f > 1; }));
+}
+
+CloudExtent VolumeGrid::extent(const BlobCloud& cloud) const {
+  const std::vector<float> sums = potentials(cloud);
+  CloudExtent e;
+  size_t i = 0;
+  for (size_t z = 0; z < count_[2]; ++z)
+    for (size_t y = 0; y < count_[1]; ++y)
+      for (size_t x = 0; x < count_[0]; ++x) {
+        if (!(sums[i++] > 1)) continue;
+        const Vec3 p = origin_ + step_ * Vec3(x, y, z);
+        e.box.extend(Box3{p - 0.5f * step_, p + 0.5f * step_});
+        e.volume += double(step_) * double(step_) * double(step_);
+      }
+  return e;
+}
+
+CloudExtent extent_of(const BlobCloud& cloud) {
+  Box3 box;
+  for (const Blob& b : cloud) box.extend(support(b));
+  return VolumeGrid(box, k_extent_cells).extent(cloud);
 }
 
 double VolumeGrid::gain_for_volume(const BlobCloud& cloud, double wanted) const {

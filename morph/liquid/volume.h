@@ -7,6 +7,12 @@
 
 namespace kelpie {
 
+/// The shape {f > 1} of a cloud, to about a hundredth of its size.
+struct CloudExtent {
+  Box3 box;          ///< empty where there is no such shape
+  double volume = 0; ///< cubic scene units
+};
+
 /// Samples the sum of a cloud's potentials on a fixed grid over `box`, so that clouds are compared on
 /// the same points. The same cloud yields the same numbers on every machine and thread.
 class VolumeGrid {
@@ -19,6 +25,9 @@ public:
   /// The factor of all weights that makes `volume` be `wanted` (within [1/64, 64]).
   double gain_for_volume(const BlobCloud&, double wanted) const;
 
+  /// Where the sum exceeds 1.
+  CloudExtent extent(const BlobCloud&) const;
+
 private:
   std::vector<float> potentials(const BlobCloud&) const;
 
@@ -26,5 +35,8 @@ private:
   float step_;
   size_t count_[3];
 };
+
+/// On a grid of its own.
+CloudExtent extent_of(const BlobCloud&);
 
 } // namespace kelpie

@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
+#include <tbb/global_control.h>
+#include <tbb/parallel_invoke.h>
+#include <tbb/task_arena.h>
+
+#include "cli/command.h"
+#include "cli/fit_options.h"
+#include "cli/liquid_scene.h"
+#include "cli/render.h"
+#include "materials/surfaces.h"
+#include "renderer/output/sequence.h"
+
+namespace kelpie {
+
+namespace {
+
+struct Options : FitCommandOptions {
+  std::string from, to, from_up = "+y", to_up = "+y", surface = "metal", save_scene;
+  RenderOptions render;
+};
+
+/// A folder that goes when this does.
+class TemporaryFolder {
+public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "kelpie-liquid-XXXXXX").string();
+    if (!::mkdtemp(name.data())) throw Error(ExitStatus::cannot_write, "cannot make a temporary folder", {name, 0, 0});
+    path_ = name;
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  std::string file(const std::string& name) const { return (path_ / name).string(); }
+
+private:
+  std::filesystem::path path_;
+};
+
+std::string stem_of(const std::string& path) { return std::filesystem::path(path).stem().string(); }
+
+/// The frames asked for span the morph; a single one is a frame of the usual length.
+LiquidSceneOptions scene_options(const Options& o) {
+  LiquidSceneOptions s;
+  s.surface = o.surface;
+  if (!o.render.frames.empty()) {
+    const std::vector<int> frames = parse_frames(o.render.frames);
+    const auto [first, last] = std::minmax_element(frames.begin(), frames.end());
+    const bool is_one = *first == *last;
+    s.first = is_one ? std::min(*first, s.first) : *first;
+    s.last = is_one ? std::max(*last, s.last) : *last;
+  }
+  int width = 0, height = 0;
+  if (std::sscanf(o.render.resolution.c_str(), "%dx%d", &width, &height) == 2 && width > 0 && height > 0) s.aspect = double(width) / height;
+  return s;
+}
+
+void fit_both(const Options& o, BlobCloud& from, BlobCloud& to) {
+  const int threads = o.render.threads > 0 ? o.render.threads : tbb::this_task_arena::max_concurrency();
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads));
+  tbb::parallel_invoke([&] { from = fit_and_report(o.from, o).blobs; }, [&] { to = fit_and_report(o.to, o).blobs; });
+}
+
+void liquid(const Options& o) {
+  const LiquidSceneOptions options = scene_options(o); // usage errors come before minutes of work
+  BlobCloud from, to;
+  fit_both(o, from, to);
+  from = turned_upright(std::move(from), o.from_up), to = turned_upright(std::move(to), o.to_up);
+  place_together(from, to);
+  const std::string name = stem_of(o.from) + "_to_" + stem_of(o.to);
+  if (!o.save_scene.empty()) {
+    write_liquid_scene(o.save_scene, from, to, options);
+    return;
+  }
+  const TemporaryFolder folder;
+  const std::string scene = folder.file("liquid.json");
+  write_liquid_scene(scene, from, to, options);
+  render_scene(scene, name, o.render);
+}
+
+std::vector<std::string> surface_names() {
+  std::vector<std::string> names;
+  SurfaceKinds::for_each([&]<template <class> class Kind>() { names.emplace_back(Kind<AnimatedMode>::k_name); });
+  return names;
+}
+
+} // namespace
+
+void add_liquid(CLI::App& app) {
+  CLI::App& command = *app.add_subcommand("liquid", "turn one mesh into another as liquid, and render it");
+  auto options = std::make_shared<Options>();
+  const CLI::IsMember is_axis(std::vector<std::string>(std::begin(k_up_axes), std::end(k_up_axes)));
+  command.add_option("FROM", options->from, "the mesh at the beginning: OBJ, PLY, OFF or STL")->required();
+  command.add_option("TO", options->to, "the mesh at the end")->required();
+  add_fit_options(command, *options);
+  command.add_option("--from-up", options->from_up, "the direction that is up in the first mesh")->check(is_axis)->capture_default_str();
+  command.add_option("--to-up", options->to_up, "the direction that is up in the second mesh")->check(is_axis)->capture_default_str();
+  command.add_option("--surface", options->surface, "what it is made of")->check(CLI::IsMember(surface_names()))->capture_default_str();
+  command.add_option("--save-scene", options->save_scene, "write the scene (and its clouds beside it) to edit, and render nothing");
+  add_render_options(command, options->render);
+  command.footer("Examples:\n"
+                 "  kelpie liquid bunny.obj armadillo.obj -f 1-96 -o 'out/flow.####.exr'\n"
+                 "  kelpie liquid drop.ply dino.off --to-up +z --save-scene flow.json");
+  command.callback([options, &command] {
+    options->no_cache = command.count("--no-cache") > 0;
+    liquid(*options);
+  });
+}
+
+} // namespace kelpie

@@ -1,0 +1,145 @@
+#include "cli/liquid_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "base/file_bytes.h"
+#include "field/clouds/cloud_file.h"
+#include "morph/liquid/blob_shape.h"
+#include "morph/liquid/interpolate.h"
+#include "morph/liquid/volume.h"
+
+namespace kelpie {
+
+namespace {
+
+constexpr float k_size = 3, k_most_size_ratio = 1.5f;
+constexpr double k_fov = 30, k_pi = 3.14159265358979323846;
+/// From where one looks: a little from the right and from above.
+const Vec3d k_view = glm::normalize(Vec3d(0.35, 0.28, 1));
+constexpr double k_margin = 1.06;
+/// The share of the frames for which either end is held.
+constexpr double k_hold = 0.08;
+
+CloudExtent checked_extent(const BlobCloud& cloud, const char* which) {
+  const CloudExtent e = extent_of(cloud);
+  if (e.box.is_empty()) throw Error(ExitStatus::bad_data, fmt::format("the {} cloud has no surface", which));
+  return e;
+}
+
+void scale_and_stand(BlobCloud& cloud, const Box3& box, float scale) {
+  const Vec3 foot(box.centre().x, box.lower.y, box.centre().z);
+  for (Blob& b : cloud) b.centre = (b.centre - foot) * scale, b.radius *= scale;
+}
+
+struct View {
+  Vec3d position{0}, look_at{0};
+};
+
+/// As near as possible with every blob's sphere in the picture throughout the morph.
+View frame_morph(const BlobCloud& from, const BlobCloud& to, double aspect) {
+  const LiquidMorph morph(from, to, Correspondence::cellular, VolumeRule::free); // moves as any other does, within some percent
+  BlobCloud seen;
+  for (int i = 0; i <= 8; ++i) morph.append_blobs(static_cast<float>(i) / 8, seen);
+  Box3d box;
+  for (const Blob& b : seen) {
+    const double e = shape_of(b).sphere_radius;
+    box.extend(Box3d{Vec3d(b.centre) - e, Vec3d(b.centre) + e});
+  }
+  View view;
+  view.look_at = {0, 0.5 * (std::max(box.lower.y, 0.0) + box.upper.y), 0};
+  const Vec3d right = glm::normalize(glm::cross(Vec3d(0, 1, 0), k_view)), up = glm::cross(k_view, right);
+  const double tangent = std::tan(k_fov / 2 * k_pi / 180);
+  double distance = 0;
+  for (const Blob& b : seen) {
+    const Vec3d p = Vec3d(b.centre) - view.look_at;
+    const double e = shape_of(b).sphere_radius;
+    const double half = std::max(std::abs(glm::dot(p, up)) + e, (std::abs(glm::dot(p, right)) + e) / aspect);
+    distance = std::max(distance, glm::dot(p, k_view) + half * k_margin / tangent);
+  }
+  view.position = view.look_at + distance * k_view;
+  return view;
+}
+
+std::string progress_keys(int first, int last) {
+  const int hold = static_cast<int>(std::lround(k_hold * (last - first)));
+  return fmt::format(R"({{ "keys": [[{}, 0, 0], [{}, 1, 0]], "interpolation": "hermite" }})", first + hold,
+                     std::max(last - hold, first + hold + 1));
+}
+
+} // namespace
+
+BlobCloud turned_upright(BlobCloud cloud, const std::string& up) {
+  for (Blob& b : cloud) {
+    const Vec3 p = b.centre;
+    if (up == "-y") b.centre = {p.x, -p.y, -p.z};
+    if (up == "+z") b.centre = {p.x, p.z, -p.y};
+    if (up == "-z") b.centre = {p.x, -p.z, p.y};
+    if (up == "+x") b.centre = {-p.y, p.x, p.z};
+    if (up == "-x") b.centre = {p.y, -p.x, p.z};
+  }
+  return cloud;
+}
+
+void place_together(BlobCloud& from, BlobCloud& to) {
+  const CloudExtent a = checked_extent(from, "first"), b = checked_extent(to, "second");
+  const float size_a = a.box.diagonal(), size_b = b.box.diagonal();
+  // The factor of the second cloud relative to the first.
+  const float by_volume = static_cast<float>(std::cbrt(a.volume / b.volume)), by_size = size_a / size_b;
+  const float ratio = std::clamp(by_volume, by_size / k_most_size_ratio, by_size * k_most_size_ratio);
+  const float scale = k_size / std::max(size_a, ratio * size_b);
+  scale_and_stand(from, a.box, scale);
+  scale_and_stand(to, b.box, scale * ratio);
+}
+
+void write_liquid_scene(const std::string& path, const BlobCloud& from, const BlobCloud& to, const LiquidSceneOptions& o) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(path).parent_path();
+  const std::string stem = fs::path(path).stem().string();
+  write_blob_cloud((folder / (stem + "_from.ply")).string(), from);
+  write_blob_cloud((folder / (stem + "_to.ply")).string(), to);
+  const View view = frame_morph(from, to, o.aspect);
+  const std::string look = o.surface == "metal" ? R"("kind": "metal", "roughness": 0.06)" : fmt::format(R"("kind": "{}")", o.surface);
+  const std::string text = fmt::format(
+      R"(// Made by kelpie liquid. `kelpie kinds liquid` explains the words.
+{{
+  "kelpie": 1,
+  "frames": {{ "first": {first}, "last": {last}, "fps": 24 }},
+  "camera": {{ "position": [{px:.4f}, {py:.4f}, {pz:.4f}], "look_at": [{lx:.4f}, {ly:.4f}, {lz:.4f}], "fov": {fov} }},
+  "film": {{ "resolution": [1280, 720], "spp": 64, "bounces": 4 }},
+  "lights": [
+    {{ "kind": "environment", "preset": "studio" }}
+  ],
+  "shapes": [
+    {{
+      "name": "liquid",
+      "threshold": 1,
+      "field": {{
+        "kind": "liquid",
+        "from": "{stem}_from.ply",
+        "to": "{stem}_to.ply",
+        "volume": "linear",
+        "progress": {progress}
+      }},
+      "surface": {{ {look} }}
+    }},
+    {{
+      "name": "floor",
+      "geometry": {{ "kind": "plane", "position": [0, 0, 0] }},
+      "surface": {{ "kind": "matte", "colour": [0.32, 0.33, 0.35] }}
+    }}
+  ]
+}}
+)",
+      fmt::arg("first", o.first), fmt::arg("last", o.last), fmt::arg("px", view.position.x), fmt::arg("py", view.position.y),
+      fmt::arg("pz", view.position.z), fmt::arg("lx", view.look_at.x), fmt::arg("ly", view.look_at.y), fmt::arg("lz", view.look_at.z),
+      fmt::arg("fov", k_fov), fmt::arg("stem", stem), fmt::arg("progress", progress_keys(o.first, o.last)), fmt::arg("look", look));
+  write_file_atomically(path, as_bytes(text));
+}
+
+} // namespace kelpie
