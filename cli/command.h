@@ -23,4 +23,7 @@ void add_view(CLI::App&);
 /// Prints `warning: …` lines to stderr.
 void print_warnings(const Diagnostics&);
 
+/// Writes a result to stdout. Throws Error cannot_write where it cannot be written.
+void print_result(std::string_view);
+
 } // namespace kelpie

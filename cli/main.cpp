@@ -1,4 +1,7 @@
+#include <cerrno>
 #include <csignal>
+#include <cstdio>
+#include <cstring>
 #include <new>
 
 #include <fmt/format.h>
@@ -9,6 +12,11 @@ namespace kelpie {
 
 void print_warnings(const Diagnostics& diagnostics) {
   for (const Problem& p : diagnostics.warnings()) fmt::print(stderr, "warning: {}\n", to_string(p));
+}
+
+void print_result(std::string_view text) {
+  const bool is_written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
+  if (!is_written) throw Error(ExitStatus::cannot_write, fmt::format("cannot write to stdout: {}", std::strerror(errno)));
 }
 
 namespace {

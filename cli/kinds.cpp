@@ -1,0 +1,19 @@
+#include <memory>
+
+#include "cli/command.h"
+#include "scene/manual.h"
+
+namespace kelpie {
+
+void add_kinds(CLI::App& app) {
+  CLI::App& command = *app.add_subcommand("kinds", "the manual of all that scene files may say");
+  command.footer("Without NAME: every kind in one line. With NAME: its page, with all parameters, ranges and defaults.\n"
+                 "  kelpie kinds point      a kind of field\n"
+                 "  kelpie kinds camera     a part of the scene\n"
+                 "  kelpie kinds keys       how values change over time\n");
+  auto name = std::make_shared<std::string>();
+  command.add_option("NAME", *name, "a kind, a part of the scene, or a form of value");
+  command.callback([=] { print_result(name->empty() ? manual_index() : manual_page(*name)); });
+}
+
+} // namespace kelpie

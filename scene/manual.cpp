@@ -1,0 +1,154 @@
+#include "scene/manual.h"
+
+#include <algorithm>
+
+#include "base/suggest.h"
+#include "scene/parameter_text.h"
+#include "scene/value_reader.h"
+
+namespace kelpie {
+
+std::string_view unit_text(Unit unit) {
+  switch (unit) {
+  case Unit::none: return "";
+  case Unit::length: return "scene units";
+  case Unit::degrees: return "degrees";
+  case Unit::frames: return "frames";
+  case Unit::pixels: return "pixels";
+  }
+  return "";
+}
+
+namespace {
+
+struct Page {
+  std::string_view group, name, doc;
+  std::string parameters; ///< the text below the doc
+};
+
+/// "number > 0, scene units, may be animated, default 1": all that a table says, in one line.
+template <class T>
+std::string facts_of(const ParameterRules& rules, const T& default_value) {
+  std::string type = type_text<T>();
+  const std::string range = describe(rules.range);
+  const bool is_one_number = type == "number" || type == "whole number";
+  if (rules.is_number_for_all) type += " or a number for all three";
+  if (!range.empty() && is_one_number) type += " " + range;
+  std::vector<std::string> facts{type};
+  if (!range.empty() && !is_one_number) facts.push_back("each " + range);
+  if (rules.is_nonzero) facts.push_back("not zero");
+  if (rules.unit != Unit::none) facts.emplace_back(unit_text(rules.unit));
+  if (IsAnimated<T>) facts.push_back("may be animated");
+  const std::string value = json_text(default_value);
+  if (rules.is_required)
+    facts.push_back(rules.alternative.empty() ? "required" : fmt::format("this or `{}` is required", rules.alternative));
+  else if (!rules.alternative.empty())
+    facts.push_back(fmt::format("excludes `{}`", rules.alternative));
+  if (!rules.is_required && !value.empty()) facts.push_back("default " + value);
+  return fmt::format("{}", fmt::join(facts, ", "));
+}
+
+template <Record T>
+Page page_of(std::string_view group, bool is_kind) {
+  size_t width = 0;
+  for_each_parameter<T>([&](const auto& row) { width = std::max(width, row.name.size()); });
+  const T defaults{};
+  std::string text = "Parameters:\n";
+  bool is_animated = false;
+  for_each_parameter<T>([&](const auto& row) {
+    text += fmt::format("  {:<{}}  {}\n  {:<{}}  {}\n", row.name, width, facts_of(row, defaults.*(row.member)), "", width, row.doc);
+    is_animated |= IsAnimated<MemberOf<decltype(row)>>;
+  });
+  text += fmt::format("\nAt least: {}\n", minimal_json<T>(is_kind));
+  if (is_animated) text += "What may be animated is a constant or a curve: `kelpie kinds keys`.\n";
+  return {group, T::k_name, T::k_doc, text};
+}
+
+template <class List, template <class> class Kind>
+constexpr bool k_has_kind = false;
+template <template <class> class... Kinds, template <class> class Kind>
+constexpr bool k_has_kind<KindList<Kinds...>, Kind> = (std::is_same_v<Kinds<AnimatedMode>, Kind<AnimatedMode>> || ...);
+
+/// Kinds of field are grouped by what they are made of.
+template <template <class> class Kind>
+std::string_view field_group() {
+  if (k_has_kind<MorphFolderKinds, Kind>) return "fields: morphs";
+  bool has_child = false, has_children = false, has_file = false;
+  for_each_parameter<Kind<AnimatedMode>>([&](const auto& row) {
+    using T = MemberOf<decltype(row)>;
+    has_child |= std::is_same_v<T, FieldPtr>;
+    has_children |= std::is_same_v<T, std::vector<FieldPtr>>;
+    has_file |= std::is_same_v<T, AssetPath>;
+  });
+  return has_children ? "fields: operators" : has_child ? "fields: warps" : has_file ? "fields: clouds" : "fields: skeletons";
+}
+
+template <class List>
+void append_kinds(std::vector<Page>& pages, std::string_view group) {
+  List::for_each([&]<template <class> class Kind>() { pages.push_back(page_of<Kind<AnimatedMode>>(group, true)); });
+}
+
+constexpr std::string_view k_keys_doc = R"(A value that changes over time.
+
+    { "keys": [[1, 0], [24, 1.5]], "interpolation": "linear" }
+
+Each key is [frame, value]; frames ascend and need not be whole. Before the first key and after the last
+one the value stays. `interpolation`: `linear` (the default), `step` (the value holds until the next key) or
+`hermite` (smooth: derivatives per frame follow the value, as in [1, 0, 0.5]; up to 4 of them).
+Source: Barbier, Galin, Akkouche (Hermite-Ferguson interpolation); methods.md section 2.)";
+
+constexpr std::string_view k_colour_doc = R"(A colour, in one of three forms.
+
+    [0.8, 0.2, 0.1]                                   scene-linear red, green, blue
+    "#c8553d"                                         as colour pickers show it (the OCIO role color_picking)
+    { "space": "Linear Rec.709", "rgb": [1, 0, 0] }   any space or role of the OCIO config
+)";
+
+/// The shape of a scene first, then what it is filled with.
+std::vector<Page> all_pages() {
+  std::vector<Page> pages{page_of<Scene>("the scene", false), page_of<Frames>("the scene", false),
+                          page_of<Camera<AnimatedMode>>("the scene", false), page_of<Film<AnimatedMode>>("the scene", false),
+                          page_of<Shape>("the scene", false)};
+  FieldKinds::for_each([&]<template <class> class Kind>() { pages.push_back(page_of<Kind<AnimatedMode>>(field_group<Kind>(), true)); });
+  append_kinds<SurfaceKinds>(pages, "surfaces");
+  append_kinds<GeometryKinds>(pages, "geometry");
+  append_kinds<LightKinds>(pages, "lights");
+  pages.push_back({"values", "keys", k_keys_doc, {}});
+  pages.push_back({"values", "colour", k_colour_doc, {}});
+  return pages;
+}
+
+} // namespace
+
+std::string manual_index() {
+  const std::vector<Page> pages = all_pages();
+  size_t width = 0;
+  std::vector<std::string_view> groups;
+  for (const Page& p : pages) {
+    width = std::max(width, p.name.size());
+    if (std::find(groups.begin(), groups.end(), p.group) == groups.end()) groups.push_back(p.group);
+  }
+  std::string text;
+  for (const std::string_view group : groups) {
+    text += fmt::format("{}{}\n", text.empty() ? "" : "\n", group);
+    for (const Page& p : pages)
+      if (p.group == group) text += fmt::format("  {:<{}}  {}\n", p.name, width, p.doc.substr(0, p.doc.find('\n')));
+  }
+  return text;
+}
+
+std::string manual_page(std::string_view name) {
+  std::string text;
+  std::vector<std::string_view> names;
+  for (const Page& p : all_pages()) {
+    names.push_back(p.name);
+    if (p.name != name) continue;
+    if (!text.empty()) text += "\n";
+    text += fmt::format("{} ({})\n\n{}\n", p.name, p.group, p.doc);
+    if (!p.parameters.empty()) text += "\n" + p.parameters;
+  }
+  if (text.empty()) throw Error(ExitStatus::usage, fmt::format("no kind is called {}{}", in_quotes(name), suggestion(name, names)));
+  return text;
+}
+
+} // namespace kelpie

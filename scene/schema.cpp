@@ -1,0 +1,151 @@
+// The JSON schema of scene files, draft 2020-12. nlohmann's library only writes here.
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "scene/manual.h"
+#include "scene/parameter_text.h"
+#include "scene/reserved.h"
+
+namespace kelpie {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json reference(std::string_view name) { return {{"$ref", fmt::format("#/$defs/{}", name)}}; }
+
+Json number_schema(const char* type, const Range& range) {
+  Json s{{"type", type}};
+  if (!std::isinf(range.lower)) s[range.lower_open ? "exclusiveMinimum" : "minimum"] = range.lower;
+  if (!std::isinf(range.upper)) s[range.upper_open ? "exclusiveMaximum" : "maximum"] = range.upper;
+  return s;
+}
+
+Json tuple_schema(const Json& element, size_t size) {
+  return {{"type", "array"}, {"items", element}, {"minItems", size}, {"maxItems", size}};
+}
+
+Json colour_schema(const Range& range) {
+  const Json in_space{{"type", "object"},
+                      {"properties", {{"space", {{"type", "string"}}}, {"rgb", tuple_schema(number_schema("number", {}), 3)}}},
+                      {"required", {"space", "rgb"}},
+                      {"additionalProperties", false}};
+  return {{"anyOf", {tuple_schema(number_schema("number", range), 3), {{"type", "string"}, {"pattern", "^#[0-9a-fA-F]{6}$"}}, in_space}}};
+}
+
+Json vector_schema(const ParameterRules& rules) {
+  Json vector = tuple_schema(number_schema("number", rules.range), 3);
+  if (rules.is_nonzero) vector["not"] = {{"const", {0, 0, 0}}};
+  if (!rules.is_number_for_all) return vector;
+  return {{"anyOf", {vector, number_schema("number", rules.range)}}};
+}
+
+Json animated_schema(const Json& value) {
+  const Json key{{"type", "array"}, {"prefixItems", {{{"type", "number"}}, value}}, {"minItems", 2}, {"maxItems", 6}};
+  const Json curve{{"type", "object"},
+                   {"properties",
+                    {{"keys", {{"type", "array"}, {"items", key}, {"minItems", 1}}},
+                     {"interpolation", {{"enum", enum_names<Interpolation>()}, {"default", "linear"}}}}},
+                   {"required", Json::array({"keys"})},
+                   {"additionalProperties", false}};
+  return {{"anyOf", {value, curve}}};
+}
+
+template <class T>
+Json type_schema(const ParameterRules& rules) {
+  if constexpr (IsAnimated<T>)
+    return animated_schema(type_schema<typename AnimatedTrait<T>::Value>(rules));
+  else if constexpr (IsOptional<T>)
+    return type_schema<typename OptionalTrait<T>::Value>(rules);
+  else if constexpr (IsList<T>) {
+    using Element = typename ListTrait<T>::Element;
+    Json list{{"type", "array"}, {"items", type_schema<Element>(rules)}};
+    if (rules.is_required) list["minItems"] = 1;
+    if (NamedEnum<Element>) list["uniqueItems"] = true;
+    return list;
+  } else if constexpr (NamedEnum<T>)
+    return {{"enum", enum_names<T>()}};
+  else if constexpr (std::is_same_v<T, bool>)
+    return {{"type", "boolean"}};
+  else if constexpr (std::is_same_v<T, int>)
+    return number_schema("integer", rules.range);
+  else if constexpr (std::is_arithmetic_v<T>)
+    return number_schema("number", rules.range);
+  else if constexpr (std::is_same_v<T, Vec2i>)
+    return tuple_schema(number_schema("integer", rules.range), 2);
+  else if constexpr (std::is_same_v<T, Vec3>)
+    return vector_schema(rules);
+  else if constexpr (std::is_same_v<T, Colour>)
+    return colour_schema(rules.range);
+  else if constexpr (std::is_same_v<T, Background>)
+    return {{"anyOf", {{{"enum", {"environment", "transparent"}}}, colour_schema(rules.range)}}};
+  else if constexpr (std::is_same_v<T, std::string> || std::is_same_v<T, AssetPath>)
+    return {{"type", "string"}, {"minLength", 1}};
+  else
+    return reference(type_text<T>()); // records and kinds have a definition of their own
+}
+
+template <Record T>
+Json record_schema(bool is_kind) {
+  Json properties = Json::object(), required = Json::array(), rules = Json::array();
+  if (is_kind) properties["kind"] = {{"const", T::k_name}}, required.push_back("kind");
+  const T defaults{};
+  for_each_parameter<T>([&](const auto& row) {
+    Json p = type_schema<MemberOf<decltype(row)>>(row);
+    if (is_reserved(ReservedAs::nonzero, T::k_name, row.name)) p = {{"const", 0}};
+    p["description"] = row.unit == Unit::none ? std::string(row.doc) : fmt::format("{} ({})", row.doc, unit_text(row.unit));
+    if (const std::string value = json_text(defaults.*(row.member)); !value.empty() && !row.is_required) p["default"] = Json::parse(value);
+    properties[std::string(row.name)] = std::move(p);
+    if (row.alternative.empty()) {
+      if (row.is_required) required.push_back(row.name);
+    } else if (row.name < row.alternative) { // once for the two
+      if (row.is_required)
+        rules.push_back({{"oneOf", {{{"required", Json::array({row.name})}}, {{"required", Json::array({row.alternative})}}}}});
+      else
+        rules.push_back({{"not", {{"required", {row.name, row.alternative}}}}});
+    }
+  });
+  Json s{{"description", T::k_doc}, {"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
+  if (!required.empty()) s["required"] = required;
+  if (!rules.empty()) s["allOf"] = rules;
+  return s;
+}
+
+/// Defines a group ("field": one of…) and its kinds ("field.point").
+template <class List>
+void define_kinds(Json& definitions) {
+  const std::string group(k_group_name<List>);
+  Json one_of = Json::array();
+  List::for_each([&]<template <class> class Kind>() {
+    const std::string name = fmt::format("{}.{}", group, Kind<AnimatedMode>::k_name);
+    definitions[name] = record_schema<Kind<AnimatedMode>>(true);
+    one_of.push_back(reference(name));
+  });
+  definitions[group] = {{"oneOf", one_of}};
+}
+
+template <Record T>
+void define_record(Json& definitions) {
+  definitions[std::string(T::k_name)] = record_schema<T>(false);
+}
+
+} // namespace
+
+std::string json_schema() {
+  Json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "kelpie scene"}};
+  schema.update(record_schema<Scene>(false));
+  Json definitions;
+  define_record<Frames>(definitions);
+  define_record<Camera<AnimatedMode>>(definitions);
+  define_record<Film<AnimatedMode>>(definitions);
+  define_record<Shape>(definitions);
+  define_kinds<FieldKinds>(definitions);
+  define_kinds<SurfaceKinds>(definitions);
+  define_kinds<GeometryKinds>(definitions);
+  define_kinds<LightKinds>(definitions);
+  schema["$defs"] = definitions;
+  return schema.dump(2) + "\n";
+}
+
+} // namespace kelpie
