@@ -10,7 +10,6 @@
 #include "base/error.h"
 #include "base/file_bytes.h"
 #include "field/clouds/cloud_file.h"
-#include "morph/liquid/blob_shape.h"
 #include "morph/liquid/interpolate.h"
 #include "morph/liquid/volume.h"
 
@@ -22,7 +21,7 @@ constexpr float k_size = 3, k_most_size_ratio = 1.5f;
 constexpr double k_fov = 30, k_pi = 3.14159265358979323846;
 /// From where one looks: a little from the right and from above.
 const Vec3d k_view = glm::normalize(Vec3d(0.35, 0.28, 1));
-constexpr double k_margin = 1.06;
+constexpr double k_margin = 1.1;
 /// The share of the frames for which either end is held.
 constexpr double k_hold = 0.08;
 
@@ -41,25 +40,29 @@ struct View {
   Vec3d position{0}, look_at{0};
 };
 
-/// As near as possible with every blob's sphere in the picture throughout the morph.
+/// As near as possible with the boxes of nine moments of the morph in the picture.
 View frame_morph(const BlobCloud& from, const BlobCloud& to, double aspect) {
-  const LiquidMorph morph(from, to, Correspondence::cellular, VolumeRule::free); // moves as any other does, within some percent
-  BlobCloud seen;
-  for (int i = 0; i <= 8; ++i) morph.append_blobs(static_cast<float>(i) / 8, seen);
-  Box3d box;
-  for (const Blob& b : seen) {
-    const double e = shape_of(b).sphere_radius;
-    box.extend(Box3d{Vec3d(b.centre) - e, Vec3d(b.centre) + e});
+  constexpr int k_moments = 8;
+  const LiquidMorph morph(from, to, Correspondence::transport, VolumeRule::linear);
+  std::vector<Vec3d> corners;
+  Box3d all;
+  for (int i = 0; i <= k_moments; ++i) {
+    BlobCloud cloud;
+    morph.append_blobs(static_cast<float>(i) / k_moments, cloud);
+    const Box3 box = extent_of(cloud).box;
+    if (box.is_empty()) continue;
+    for (int c = 0; c < 8; ++c)
+      corners.push_back({c & 1 ? box.upper.x : box.lower.x, c & 2 ? box.upper.y : box.lower.y, c & 4 ? box.upper.z : box.lower.z});
+    all.extend(Box3d{Vec3d(box.lower), Vec3d(box.upper)});
   }
   View view;
-  view.look_at = {0, 0.5 * (std::max(box.lower.y, 0.0) + box.upper.y), 0};
+  view.look_at = {0, all.centre().y, 0};
   const Vec3d right = glm::normalize(glm::cross(Vec3d(0, 1, 0), k_view)), up = glm::cross(k_view, right);
   const double tangent = std::tan(k_fov / 2 * k_pi / 180);
   double distance = 0;
-  for (const Blob& b : seen) {
-    const Vec3d p = Vec3d(b.centre) - view.look_at;
-    const double e = shape_of(b).sphere_radius;
-    const double half = std::max(std::abs(glm::dot(p, up)) + e, (std::abs(glm::dot(p, right)) + e) / aspect);
+  for (const Vec3d& corner : corners) {
+    const Vec3d p = corner - view.look_at;
+    const double half = std::max(std::abs(glm::dot(p, up)), std::abs(glm::dot(p, right)) / aspect);
     distance = std::max(distance, glm::dot(p, k_view) + half * k_margin / tangent);
   }
   view.position = view.look_at + distance * k_view;

@@ -23,15 +23,18 @@ T lerp(T a, T b, float u) {
   return a * (1 - u) + b * u;
 }
 
+float cube(float x) { return x * x * x; }
+
 } // namespace
 
-LiquidMorph::LiquidMorph(const BlobCloud& from, const BlobCloud& to, Correspondence how, VolumeRule rule) : from_(from), to_(to) {
-  for (const Link& l : match_blobs(from, to, how)) {
-    const Blob &a = from[l.from], &b = to[l.to];
-    Part p{{a.centre, shape_of(a), a.falloff}, {b.centre, shape_of(b), b.falloff}};
-    p.from.shape.weight *= l.from_share, p.to.shape.weight *= l.to_share;
-    parts_.push_back(p);
-  }
+LiquidMorph::LiquidMorph(const BlobCloud& from, const BlobCloud& to, Correspondence how, VolumeRule rule)
+    : from_(from), to_(to), how_(how) {
+  const auto end = [](const Blob& b, float share) {
+    End e{b.centre, shape_of(b), b.radius, b.weight * cube(b.radius) * share, b.falloff};
+    e.shape.weight *= share;
+    return e;
+  };
+  for (const Link& l : match_blobs(from, to, how)) parts_.push_back({end(from[l.from], l.from_share), end(to[l.to], l.to_share)});
   if (rule == VolumeRule::linear) find_gains();
 }
 
@@ -44,20 +47,28 @@ void LiquidMorph::append_blobs(float progress, BlobCloud& out) const {
     append_parts(progress, gain_at(progress), out);
 }
 
+Blob LiquidMorph::interpolate(const Part& p, float u, float gain) const {
+  const Vec3 centre = lerp(p.from.centre, p.to.centre, u);
+  if (how_ == Correspondence::cellular) {
+    const BlobShape &a = p.from.shape, &b = p.to.shape;
+    return to_blob({lerp(a.sphere_radius, b.sphere_radius, u), lerp(a.stiffness, b.stiffness, u), lerp(a.weight, b.weight, u) * gain},
+                   centre, p.from.falloff);
+  }
+  // Radii and weights that moved linearly by themselves would multiply the mass of a part between a large and a small blob.
+  const float volume = lerp(cube(p.from.radius), cube(p.to.radius), u);
+  return {centre, std::cbrt(volume), lerp(p.from.mass, p.to.mass, u) / volume * gain, p.from.falloff};
+}
+
 void LiquidMorph::append_parts(float u, float gain, BlobCloud& out) const {
   for (const Part& p : parts_) {
-    const BlobShape &a = p.from.shape, &b = p.to.shape;
-    BlobShape s;
-    s.sphere_radius = lerp(a.sphere_radius, b.sphere_radius, u);
-    s.stiffness = lerp(a.stiffness, b.stiffness, u);
-    s.weight = lerp(a.weight, b.weight, u) * gain;
-    const Vec3 centre = lerp(p.from.centre, p.to.centre, u);
-    if (p.from.falloff == p.to.falloff) {
-      out.push_back(to_blob(s, centre, p.from.falloff));
-    } else { // two falloffs dissolve into one another
-      out.push_back(to_blob(s, centre, p.from.falloff)), out.back().weight *= 1 - u;
-      out.push_back(to_blob(s, centre, p.to.falloff)), out.back().weight *= u;
+    Blob b = interpolate(p, u, gain);
+    if (p.from.falloff != p.to.falloff) { // two falloffs dissolve into one another
+      Blob other = b;
+      other.falloff = p.to.falloff, other.weight *= u;
+      out.push_back(other);
+      b.weight *= 1 - u;
     }
+    out.push_back(b);
   }
 }
 

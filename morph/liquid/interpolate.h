@@ -12,12 +12,16 @@
 
 namespace kelpie {
 
-/// How blobs find their partners (methods.md section 1, step 3).
-enum class Correspondence { cellular };
+/// How blobs find their partners, and what becomes of them on the way.
+enum class Correspondence {
+  transport, ///< optimal transport of the potentials' mass, which is kept on the way (match_transport.h)
+  cellular,  ///< the paper's: nearest spheres are partners (eq. 5), and their parameters move linearly
+};
 
 template <>
 struct EnumNames<Correspondence> {
-  static constexpr std::array<std::pair<std::string_view, Correspondence>, 1> values{{{"cellular", Correspondence::cellular}}};
+  static constexpr std::array<std::pair<std::string_view, Correspondence>, 2> values{
+      {{"transport", Correspondence::transport}, {"cellular", Correspondence::cellular}}};
 };
 
 /// What becomes of the volume between the ends.
@@ -37,25 +41,29 @@ public:
   LiquidMorph(const BlobCloud& from, const BlobCloud& to, Correspondence, VolumeRule);
 
   /// Appends the blobs at `progress` in [0, 1]: at 0 exactly `from`, at 1 exactly `to`, and the field
-  /// changes continuously in between. Centres move linearly, as do the radius e, the stiffness B and the weight w
-  /// (blob_shape.h); under VolumeRule::linear all weights bear a common factor by which the volume where the
-  /// sum exceeds 1 changes linearly.
+  /// changes continuously in between. Centres move linearly. With Correspondence::cellular so do the radius e, the
+  /// stiffness B and the weight w (blob_shape.h); with transport the cube of R and the mass W R^3 do. Under VolumeRule::linear all weights
+  /// bear a common factor by which the volume where the sum exceeds 1 changes linearly.
   void append_blobs(float progress, BlobCloud& out) const;
 
 private:
   struct End {
     Vec3 centre{0};
-    BlobShape shape;
+    BlobShape shape;  ///< with its share of the weight
+    float radius = 1; ///< R
+    float mass = 1;   ///< its share of W R^3
     Falloff falloff = Falloff::quartic;
   };
   struct Part {
     End from, to;
   };
+  Blob interpolate(const Part&, float progress, float gain) const;
   void append_parts(float progress, float gain, BlobCloud& out) const;
   void find_gains();
   float gain_at(float progress) const;
 
   BlobCloud from_, to_;
+  Correspondence how_;
   std::vector<Part> parts_;
   std::vector<float> gain_; ///< the factor of all weights that keeps the volume linear, at equal steps of progress
 };

@@ -15,12 +15,13 @@ struct Liquid {
   static constexpr std::string_view k_doc = R"(One cloud of blobs flows into another as liquid.
 
 Each blob of `from` is linked to its partners in `to` (the correspondence), split into as many parts as it
-has partners, and each part's centre, radius and weight are interpolated. At progress 0 and 1 the field is
+has partners, and each part's centre, radius and weight are interpolated. `transport` moves the potentials'
+mass by the shortest way and keeps it; `cellular` is the paper's matching, which may scatter a blob's parts. At progress 0 and 1 the field is
 exactly that of the two clouds. Source: Jin, Liu, Wang, Feng, Sun 2005, "Blob-based liquid morphing";
 methods.md section 1.)";
 
   AssetPath from, to;
-  Correspondence correspondence = Correspondence::cellular;
+  Correspondence correspondence = Correspondence::transport;
   VolumeRule volume = VolumeRule::linear;
   Value<Mode, float> progress{0.f};
   /// The matched clouds; filled when the scene is built.
@@ -30,7 +31,8 @@ methods.md section 1.)";
     return std::tuple{
         parameter("from", &Liquid::from, "the cloud at progress 0: a PLY file as for `blobs`").required(),
         parameter("to", &Liquid::to, "the cloud at progress 1").required(),
-        parameter("correspondence", &Liquid::correspondence, "how blobs find their partners"),
+        parameter("correspondence", &Liquid::correspondence,
+                  "`transport`: the liquid moves as little as possible; `cellular`: nearest spheres, as in the paper"),
         parameter("volume", &Liquid::volume, "`linear`: the potential is scaled so that the volume changes linearly; `free`: as it comes"),
         parameter("progress", &Liquid::progress, "0 is `from`, 1 is `to`").at_least(0).at_most(1).required(),
     };

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "morph/liquid/blob_shape.h"
+#include "morph/liquid/match_transport.h"
 
 namespace kelpie {
 
@@ -36,7 +37,7 @@ std::vector<Sphere> canonical(const BlobCloud& cloud) {
 }
 
 /// The distance of spheres: methods.md section 1, eq. 5, alpha = beta = 1.
-double distance(const Sphere& a, const Sphere& b) {
+double sphere_distance(const Sphere& a, const Sphere& b) {
   const Vec3d d = a.centre - b.centre;
   return glm::dot(d, d) + std::abs(a.radius - b.radius);
 }
@@ -44,7 +45,7 @@ double distance(const Sphere& a, const Sphere& b) {
 size_t nearest(const Sphere& s, const std::vector<Sphere>& others) {
   size_t best = 0;
   for (size_t j = 1; j < others.size(); ++j)
-    if (distance(s, others[j]) < distance(s, others[best])) best = j;
+    if (sphere_distance(s, others[j]) < sphere_distance(s, others[best])) best = j;
   return best;
 }
 
@@ -66,11 +67,7 @@ std::vector<Link> match_cellular(const std::vector<Sphere>& a, const std::vector
 } // namespace
 
 std::vector<Link> match_blobs(const BlobCloud& from, const BlobCloud& to, Correspondence how) {
-  const std::vector<Sphere> a = canonical(from), b = canonical(to);
-  switch (how) {
-  case Correspondence::cellular: return match_cellular(a, b);
-  }
-  return match_cellular(a, b);
+  return how == Correspondence::cellular ? match_cellular(canonical(from), canonical(to)) : match_transport(from, to);
 }
 
 } // namespace kelpie
