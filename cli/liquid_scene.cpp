@@ -21,7 +21,7 @@ constexpr float k_size = 3, k_most_size_ratio = 1.5f;
 constexpr double k_fov = 30, k_pi = 3.14159265358979323846;
 /// From where one looks: a little from the right and from above.
 const Vec3d k_view = glm::normalize(Vec3d(0.35, 0.28, 1));
-constexpr double k_margin = 1.1;
+constexpr double k_margin = 1.15;
 /// The share of the frames for which either end is held.
 constexpr double k_hold = 0.08;
 
@@ -40,28 +40,26 @@ struct View {
   Vec3d position{0}, look_at{0};
 };
 
-/// As near as possible with the boxes of nine moments of the morph in the picture.
+/// As near as possible with nine moments of the morph in the picture.
 View frame_morph(const BlobCloud& from, const BlobCloud& to, double aspect) {
   constexpr int k_moments = 8;
   const LiquidMorph morph(from, to, Correspondence::transport, VolumeRule::linear);
-  std::vector<Vec3d> corners;
-  Box3d all;
+  std::vector<Vec3> seen;
   for (int i = 0; i <= k_moments; ++i) {
     BlobCloud cloud;
     morph.append_blobs(static_cast<float>(i) / k_moments, cloud);
-    const Box3 box = extent_of(cloud).box;
-    if (box.is_empty()) continue;
-    for (int c = 0; c < 8; ++c)
-      corners.push_back({c & 1 ? box.upper.x : box.lower.x, c & 2 ? box.upper.y : box.lower.y, c & 4 ? box.upper.z : box.lower.z});
-    all.extend(Box3d{Vec3d(box.lower), Vec3d(box.upper)});
+    const std::vector<Vec3> points = points_inside(cloud);
+    seen.insert(seen.end(), points.begin(), points.end());
   }
+  Box3d box;
+  for (const Vec3& p : seen) box.extend(Vec3d(p));
   View view;
-  view.look_at = {0, all.centre().y, 0};
+  view.look_at = box.centre();
   const Vec3d right = glm::normalize(glm::cross(Vec3d(0, 1, 0), k_view)), up = glm::cross(k_view, right);
   const double tangent = std::tan(k_fov / 2 * k_pi / 180);
   double distance = 0;
-  for (const Vec3d& corner : corners) {
-    const Vec3d p = corner - view.look_at;
+  for (const Vec3& point : seen) {
+    const Vec3d p = Vec3d(point) - view.look_at;
     const double half = std::max(std::abs(glm::dot(p, up)), std::abs(glm::dot(p, right)) / aspect);
     distance = std::max(distance, glm::dot(p, k_view) + half * k_margin / tangent);
   }

@@ -9,6 +9,7 @@ namespace {
 
 constexpr double k_most_gain = 64;
 
+constexpr size_t k_point_cells = 100'000;
 constexpr size_t k_extent_cells = 1'000'000;
 
 /// Adds the blob's potential at the cells x = first..last of the row through (y, z) at distance^2 `yz` of its centre.
@@ -20,6 +21,12 @@ void add_row(const Blob& b, const FalloffPolynomial& p, float x0, float step, fl
     const float q = std::max(0.f, 1 - (dx * dx + yz) * inverse);
     row[i] += q * q * (a + c * q);
   }
+}
+
+Box3 support(const BlobCloud& cloud) {
+  Box3 box;
+  for (const Blob& b : cloud) box.extend(kelpie::support(b));
+  return box;
 }
 
 } // namespace
@@ -61,24 +68,22 @@ double VolumeGrid::volume(const BlobCloud& cloud) const {
 }
 
 CloudExtent VolumeGrid::extent(const BlobCloud& cloud) const {
-  const std::vector<float> sums = potentials(cloud);
   CloudExtent e;
-  size_t i = 0;
-  for (size_t z = 0; z < count_[2]; ++z)
-    for (size_t y = 0; y < count_[1]; ++y)
-      for (size_t x = 0; x < count_[0]; ++x) {
-        if (!(sums[i++] > 1)) continue;
-        const Vec3 p = origin_ + step_ * Vec3(x, y, z);
-        e.box.extend(Box3{p - 0.5f * step_, p + 0.5f * step_});
-        e.volume += double(step_) * double(step_) * double(step_);
-      }
+  for_each_cell_inside(cloud, [&](const Vec3& lower, const Vec3& upper) {
+    e.box.extend(Box3{lower, upper});
+    e.volume += double(step_) * double(step_) * double(step_);
+  });
   return e;
 }
 
-CloudExtent extent_of(const BlobCloud& cloud) {
-  Box3 box;
-  for (const Blob& b : cloud) box.extend(support(b));
-  return VolumeGrid(box, k_extent_cells).extent(cloud);
+CloudExtent extent_of(const BlobCloud& cloud) { return VolumeGrid(support(cloud), k_extent_cells).extent(cloud); }
+
+std::vector<Vec3> points_inside(const BlobCloud& cloud) {
+  std::vector<Vec3> points;
+  VolumeGrid(support(cloud), k_point_cells).for_each_cell_inside(cloud, [&](const Vec3& lower, const Vec3& upper) {
+    points.push_back(0.5f * (lower + upper));
+  });
+  return points;
 }
 
 double VolumeGrid::gain_for_volume(const BlobCloud& cloud, double wanted) const {

@@ -28,6 +28,20 @@ public:
   /// Where the sum exceeds 1.
   CloudExtent extent(const BlobCloud&) const;
 
+  /// Calls `visit(lower, upper)` with the corners of each cell in which the sum exceeds 1.
+  template <class Visit>
+  void for_each_cell_inside(const BlobCloud& cloud, Visit&& visit) const {
+    const std::vector<float> sums = potentials(cloud);
+    size_t i = 0;
+    for (size_t z = 0; z < count_[2]; ++z)
+      for (size_t y = 0; y < count_[1]; ++y)
+        for (size_t x = 0; x < count_[0]; ++x) {
+          if (!(sums[i++] > 1)) continue;
+          const Vec3 p = origin_ + step_ * Vec3(x, y, z);
+          visit(p - 0.5f * step_, p + 0.5f * step_);
+        }
+  }
+
 private:
   std::vector<float> potentials(const BlobCloud&) const;
 
@@ -38,5 +52,8 @@ private:
 
 /// On a grid of its own.
 CloudExtent extent_of(const BlobCloud&);
+
+/// Some thousand points spread evenly over the shape {f > 1}: what a camera must hold.
+std::vector<Vec3> points_inside(const BlobCloud&);
 
 } // namespace kelpie
