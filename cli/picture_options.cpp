@@ -14,12 +14,16 @@ namespace kelpie {
 
 void add_picture_options(CLI::App& app, PictureOptions& options) {
   app.add_option(
-      "--view", options.view,
-      "how light becomes a picture: ACES (soft highlights), sRGB (plain, clips at 1), or a view of your OCIO config [its default]");
-  app.add_option("--exposure", options.exposure, "brighter or darker by so many stops: 1 doubles the light, -1 halves it [0]");
+         "--view", options.view,
+         "how light becomes a picture: ACES (soft highlights), sRGB (plain, clips at 1), raw, or a view of your OCIO config [its default]")
+      ->option_text("NAME");
+  app.add_option("--exposure", options.exposure, "brighter or darker by so many stops: 1 doubles the light, -1 halves it [0]")
+      ->check(CLI::Range(-100.0, 100.0))
+      ->option_text("STOPS");
   app.add_option("--channel", options.channel,
-                 "show this instead of the colours: Z (depth), N (normals), P (positions), albedo, A, or any channel");
-  app.add_option("--ocio", options.ocio, "OCIO config file [$OCIO, else a built-in ACES config]");
+                 "show this instead of the colours: Z (depth), N (normals), P (positions), albedo, A, or any channel")
+      ->option_text("NAME");
+  app.add_option("--ocio", options.ocio, "OCIO config file [$OCIO, else a built-in ACES config]")->option_text("FILE");
 }
 
 PictureMaker::PictureMaker(const PictureOptions& options)

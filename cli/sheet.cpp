@@ -80,10 +80,14 @@ void add_sheet(CLI::App& app) {
 
 Quote a pattern, so that the shell leaves its # alone.)");
   command->add_option("inputs", options->inputs, "a pattern for numbered frames, or files")->required()->option_text("FRAMES...");
-  command->add_option("-f,--frames", options->frames, "frames of the pattern: 12, 1-96, 1-96x8 [all there are]");
+  command->add_option("-f,--frames", options->frames, "frames of the pattern: 12, 1-96, 1-96x8 [all there are]")->option_text("RANGES");
   command->add_option("-o,--output", options->output, "the picture to write")->required()->option_text("SHEET.png");
-  command->add_option("--columns", options->columns, "frames side by side [so that the sheet fits a screen]")->check(CLI::Range(1, 10000));
-  command->add_option("--width", options->width, "width of each frame on the sheet, pixels [320]")->check(CLI::Range(16, 16384));
+  command->add_option("--columns", options->columns, "frames side by side [so that the sheet fits a screen]")
+      ->check(CLI::Range(1, 10000))
+      ->option_text("N");
+  command->add_option("--width", options->width, "width of each frame on the sheet, pixels [320]")
+      ->check(CLI::Range(16, 16384))
+      ->option_text("PIXELS");
   add_picture_options(*command, options->picture);
   add_progress_option(*command, options->progress);
   command->callback([options] { make_sheet(*options); });

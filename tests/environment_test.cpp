@@ -7,12 +7,12 @@
 
 #include <gtest/gtest.h>
 
+#include "base/atomic_file.h"
+#include "base/file_bytes.h"
 #include "colour/colour.h"
 #include "colour/spaces.h"
 #include "renderer/light/environment_map.h"
-#include "base/atomic_file.h"
 #include "renderer/output/exr.h"
-#include "base/file_bytes.h"
 
 namespace kelpie {
 namespace {

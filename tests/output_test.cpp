@@ -13,11 +13,11 @@
 
 #include <gtest/gtest.h>
 
-#include "base/error.h"
 #include "base/atomic_file.h"
+#include "base/error.h"
+#include "base/file_bytes.h"
 #include "renderer/output/camera_matrices.h"
 #include "renderer/output/exr.h"
-#include "base/file_bytes.h"
 #include "renderer/output/sequence.h"
 
 namespace kelpie {

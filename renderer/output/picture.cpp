@@ -45,29 +45,39 @@ Picture fill(const FrameImage& image, bool is_light, Value&& value) {
   return picture;
 }
 
-/// The extent of a channel's values where something was hit.
+/// A channel's values from low to high, for a scale of greys.
 struct Extent {
-  float lower = INFINITY, upper = -INFINITY;
-  float fraction(float v) const { return upper > lower ? (v - lower) / (upper - lower) : 0; }
+  float lower = 0, upper = 0;
+  float fraction(float v) const { return upper > lower ? std::clamp((v - lower) / (upper - lower), 0.f, 1.f) : 0; }
 };
 
-template <class IsHit>
-Extent extent_of(const FrameChannel& channel, IsHit&& is_hit) {
-  Extent e;
-  for (size_t i = 0; i < channel.pixels.size(); ++i)
-    if (is_hit(i)) e.lower = std::min(e.lower, channel.pixels[i]), e.upper = std::max(e.upper, channel.pixels[i]);
-  return e;
+/// The extent of the values for which is_shown(index), but for this part of them at either end.
+template <class IsShown>
+Extent extent_of(const std::vector<float>& values, float part_cut, IsShown&& is_shown) {
+  std::vector<float> shown;
+  for (size_t i = 0; i < values.size(); ++i)
+    if (is_shown(i)) shown.push_back(values[i]);
+  if (shown.empty()) return {};
+  const auto at = [&](double part) {
+    const auto place = shown.begin() + static_cast<std::ptrdiff_t>(part * double(shown.size() - 1));
+    std::nth_element(shown.begin(), place, shown.end());
+    return *place;
+  };
+  return {at(part_cut), at(1 - part_cut)};
 }
 
+/// By inverse distance: a floor that reaches the horizon leaves contrast for what stands on it.
 Picture depth_picture(const FrameImage& image, const FrameChannel& z) {
-  const auto is_hit = [&](size_t i) { return z.pixels[i] < k_miss; };
-  const Extent extent = extent_of(z, is_hit);
-  return fill(image, false, [&](size_t, size_t i) { return is_hit(i) ? 1 - 0.85f * extent.fraction(z.pixels[i]) : 0.f; });
+  std::vector<float> nearness(z.pixels.size());
+  for (size_t i = 0; i < nearness.size(); ++i) nearness[i] = z.pixels[i] > 0 && z.pixels[i] < k_miss ? 1 / z.pixels[i] : 0.f;
+  const Extent extent = extent_of(nearness, 0, [&](size_t i) { return nearness[i] > 0; });
+  return fill(image, false, [&](size_t, size_t i) { return nearness[i] > 0 ? 0.15f + 0.85f * extent.fraction(nearness[i]) : 0.f; });
 }
 
 Picture position_picture(const FrameImage& image, const Channels& p) {
   const auto is_hit = [&](size_t i) { return p[0]->pixels[i] != 0 || p[1]->pixels[i] != 0 || p[2]->pixels[i] != 0; };
-  const std::array<Extent, 3> extents{extent_of(*p[0], is_hit), extent_of(*p[1], is_hit), extent_of(*p[2], is_hit)};
+  std::array<Extent, 3> extents;
+  for (size_t c = 0; c < 3; ++c) extents[c] = extent_of(p[c]->pixels, 0.05f, is_hit); // the far end of a floor is not of interest
   return fill(image, false, [&](size_t c, size_t i) { return is_hit(i) ? extents[c].fraction(p[c]->pixels[i]) : 0.f; });
 }
 
@@ -80,7 +90,7 @@ Picture normal_picture(const FrameImage& image, const Channels& n) {
 
 Picture grey_picture(const FrameImage& image, const FrameChannel& channel) {
   if (channel.name == "A") return fill(image, false, [&](size_t, size_t i) { return channel.pixels[i]; });
-  const Extent extent = extent_of(channel, [](size_t) { return true; });
+  const Extent extent = extent_of(channel.pixels, 0, [](size_t) { return true; });
   return fill(image, false, [&](size_t, size_t i) { return extent.fraction(channel.pixels[i]); });
 }
 

@@ -26,8 +26,8 @@ struct Picture {
 ///                 background that the renderer shows with A = 0 would be added to it.)
 ///   albedo, …     any other group NAME.R NAME.G NAME.B
 ///   N             world normals, (n + 1) / 2
-///   Z             from white (nearest) to dark grey (farthest thing hit); misses are black
-///   P             each coordinate as a fraction of the extent of what was hit
+///   Z             inverse distance, from white (nearest) to dark grey (farthest thing hit); misses are black
+///   P             each coordinate as a fraction of the extent of the middle 90 % of what was hit
 ///   A, or any     one channel as grey, A as it is, others from their least to their greatest value
 ///
 /// Light is converted to scene-linear: from the primaries in the header, linear Rec.709 where there are none
