@@ -23,7 +23,7 @@ void check(const std::string& path, const RenderOptions& options) {
   Scene scene = read_scene(path, {options.set, options.allow_paths}, diagnostics);
   const PixelBox window = apply_film_options(options, scene.film);
   const std::vector<int> frames =
-      parse_frames(options.frames.empty() ? fmt::format("{}-{}", scene.frames.first, scene.frames.last) : options.frames);
+      parse_frames(options.frames.value_or(fmt::format("{}-{}", scene.frames.first, scene.frames.last)));
 
   EnvironmentCache environments;
   const std::atomic<bool> stop{false};

@@ -48,8 +48,8 @@ void stop_at_tiles_on_signals() {
   std::abort(); // not reached
 }
 
-std::vector<int> frames_to_render(const Scene& scene, const std::string& ranges) {
-  return parse_frames(ranges.empty() ? fmt::format("{}-{}", scene.frames.first, scene.frames.last) : ranges);
+std::vector<int> frames_to_render(const Scene& scene, const std::optional<std::string>& ranges) {
+  return parse_frames(ranges.value_or(fmt::format("{}-{}", scene.frames.first, scene.frames.last)));
 }
 
 /// Frames of the scene, written one by one.

@@ -1,6 +1,7 @@
 // Rendering a scene file's frames: what `kelpie render` and `kelpie liquid` share.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,7 @@
 namespace kelpie {
 
 struct RenderOptions {
-  std::string frames;     ///< a range as in `1-96x2,100`; empty: all frames of the scene
+  std::optional<std::string> frames; ///< a range as in `1-96x2,100`; none: all frames of the scene
   std::string output;     ///< a pattern; empty: NAME.####.exr in the current folder
   std::string resolution; ///< `1280x720`, `50%`, or empty
   std::string crop;       ///< `x0,x1,y0,y1`, or empty
