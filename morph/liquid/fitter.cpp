@@ -56,7 +56,7 @@ std::vector<BlobParameters> Fitter::fit(std::span<const MedialSphere> spheres, s
   for (int round = 0; round < k_rounds; ++round) {
     if (round > 0 && round <= k_relocations) relocate(blobs, wanted);
     improve_blobs(blobs, constraints_);
-    if (round >= k_relocations && rms_estimate(parameters(blobs)) < k_rms_goal) break;
+    if (rms_estimate(parameters(blobs)) < k_rms_goal) break;
   }
   return parameters(blobs);
 }
