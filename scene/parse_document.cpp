@@ -88,7 +88,7 @@ public:
   bool end_array() { return close(); }
   bool start_object(size_t) { return open(JsonValue::Object{}); }
   bool key(std::string& k) {
-    count();
+    count(tracker_.token());
     std::get<JsonValue::Object>(open_.back()->data).push_back({std::move(k), tracker_.token(), {}});
     return true;
   }
@@ -121,7 +121,7 @@ private:
   /// Puts the value where it belongs. Open containers stay where they are: what holds them only grows
   /// once they are closed.
   JsonValue* place(JsonValue v) {
-    count();
+    count(v.at);
     if (open_.empty()) {
       document_.root = std::move(v);
       return &document_.root;
@@ -132,8 +132,8 @@ private:
     return &member.value;
   }
 
-  void count() {
-    if (++count_ > limits_.values) throw error(tracker_.token(), fmt::format("more than {} values", limits_.values));
+  void count(TextPosition at) {
+    if (++count_ > limits_.values) throw error(at, fmt::format("more than {} values", limits_.values));
   }
 
   void report_duplicates(const JsonValue::Object& members) {

@@ -1,0 +1,220 @@
+// One round over all kinds: what the tables say is what the reader, the manual and the schema do.
+#include <cmath>
+
+#include "scene/document.h"
+#include "scene/manual.h"
+#include "scene/parameter_text.h"
+#include "scene/reserved.h"
+#include "tests/support/scene_folder.h"
+
+namespace kelpie {
+namespace {
+
+const std::string k_point = R"({"kind":"point","centre":[0,0,0],"radius":1})";
+
+/// A minimal scene, and where in it the object under test stands.
+struct Place {
+  std::string scene, path;
+};
+
+Place place_of(std::string_view group, const std::string& json) {
+  const std::string shape = "{\"kelpie\":1,\"shapes\":[{\"name\":\"a\",";
+  if (group == "field") return {shape + "\"field\":" + json + "}]}", "shapes.a.field"};
+  if (group == "geometry") return {shape + "\"geometry\":" + json + "}]}", "shapes.a.geometry"};
+  if (group == "surface") return {shape + "\"field\":" + k_point + ",\"surface\":" + json + "}]}", "shapes.a.surface"};
+  if (group == "light")
+    return {"{\"kelpie\":1,\"lights\":[" + json + "],\"shapes\":[{\"name\":\"a\",\"field\":" + k_point + "}]}", "lights.0"};
+  if (group == "shape") return {"{\"kelpie\":1,\"shapes\":[" + json + "]}", "shapes.0"};
+  return {"{\"kelpie\":1,\"" + std::string(group) + "\":" + json + ",\"shapes\":[{\"name\":\"a\",\"field\":" + k_point + "}]}",
+          std::string(group)};
+}
+
+/// The object of type `T` that was read.
+template <class T>
+const T& found(const Scene& s) {
+  if constexpr (std::is_same_v<T, Shape>)
+    return s.shapes[0];
+  else if constexpr (std::is_same_v<T, Frames>)
+    return s.frames;
+  else if constexpr (std::is_same_v<T, Camera<AnimatedMode>>)
+    return s.camera;
+  else if constexpr (std::is_same_v<T, Film<AnimatedMode>>)
+    return s.film;
+  else if constexpr (std::is_constructible_v<FieldKinds::Variant<AnimatedMode>, T>)
+    return std::get<T>(s.shapes[0].field->kind);
+  else if constexpr (std::is_constructible_v<SurfaceKinds::Variant<AnimatedMode>, T>)
+    return std::get<T>(s.shapes[0].surface);
+  else if constexpr (std::is_constructible_v<GeometryKinds::Variant<AnimatedMode>, T>)
+    return std::get<T>(*s.shapes[0].geometry);
+  else
+    return std::get<T>(s.lights[0]);
+}
+
+/// A kind or record with its group, as a type that a visitor can take.
+template <class T>
+struct Case {
+  using Type = T;
+  std::string_view group;
+  bool is_kind;
+};
+
+template <class List, class Visitor>
+void for_each_kind(const Visitor& visit) {
+  List::for_each([&]<template <class> class Kind>() { visit(Case<Kind<AnimatedMode>>{k_group_name<List>, true}); });
+}
+
+template <class Visitor>
+void for_everything(const Visitor& visit) {
+  for_each_kind<FieldKinds>(visit);
+  for_each_kind<SurfaceKinds>(visit);
+  for_each_kind<GeometryKinds>(visit);
+  for_each_kind<LightKinds>(visit);
+  visit(Case<Shape>{"shape", false});
+  visit(Case<Frames>{"frames", false});
+  visit(Case<Camera<AnimatedMode>>{"camera", false});
+  visit(Case<Film<AnimatedMode>>{"film", false});
+}
+
+TEST(EveryKind, IsReadFromItsLeastTextWithTheTablesDefaults) {
+  const SceneFolder folder;
+  for_everything([&](const auto& c) {
+    using T = typename std::decay_t<decltype(c)>::Type;
+    const Place place = place_of(c.group, minimal_json<T>(c.is_kind));
+    ASSERT_EQ(folder.errors(place.scene), "") << place.scene;
+    const Scene scene = folder.read(place.scene);
+    sample(scene, 1);
+    const T defaults{};
+    const T& read = found<T>(scene);
+    for_each_parameter<T>([&](const auto& row) {
+      if (row.is_required) return;
+      EXPECT_EQ(json_text(read.*(row.member)), json_text(defaults.*(row.member))) << T::k_name << "." << row.name;
+    });
+  });
+}
+
+TEST(EveryParameter, RefusesWhatItIsNot) {
+  const SceneFolder folder;
+  for_everything([&](const auto& c) {
+    using T = typename std::decay_t<decltype(c)>::Type;
+    const Place place = place_of(c.group, minimal_json<T>(c.is_kind));
+    for_each_parameter<T>([&](const auto& row) {
+      const std::string assignment = fmt::format("{}.{}=null", place.path, row.name);
+      const std::string errors = folder.errors(place.scene, {{assignment}, {}});
+      EXPECT_EQ(errors.find(fmt::format("--set {}: {}: expected ", assignment, row.name)), 0u) << errors;
+    });
+  });
+}
+
+/// A number just outside the range at one end, if there is one.
+std::vector<double> outside(const Range& range) {
+  std::vector<double> numbers;
+  if (!std::isinf(range.lower)) numbers.push_back(range.lower_open ? range.lower : range.lower - 1);
+  if (!std::isinf(range.upper)) numbers.push_back(range.upper_open ? range.upper : range.upper + 1);
+  return numbers;
+}
+
+TEST(EveryParameter, KeepsToItsRange) {
+  const SceneFolder folder;
+  int checked = 0;
+  for_everything([&](const auto& c) {
+    using T = typename std::decay_t<decltype(c)>::Type;
+    const Place place = place_of(c.group, minimal_json<T>(c.is_kind));
+    for_each_parameter<T>([&](const auto& row) {
+      const T defaults{};
+      // As many components as the default has.
+      const std::string text = json_text(defaults.*(row.member));
+      const bool is_vector = !text.empty() && text[0] == '[';
+      for (const double number : outside(row.range)) {
+        const auto commas = std::count(text.begin(), text.end(), ',');
+        const std::string value = !is_vector    ? fmt::format("{}", number)
+                                  : commas == 1 ? fmt::format("[1,{}]", number)
+                                                : fmt::format("[1,1,{}]", number);
+        const std::string errors = folder.errors(place.scene, {{fmt::format("{}.{}={}", place.path, row.name, value)}, {}});
+        EXPECT_NE(errors.find(fmt::format(": {} must be ", row.name)), std::string::npos) << T::k_name << " " << value << " " << errors;
+        ++checked;
+      }
+    });
+  });
+  EXPECT_GT(checked, 20);
+}
+
+TEST(EveryParameter, ThatMayBeAnimatedTakesACurve) {
+  const SceneFolder folder;
+  for_everything([&](const auto& c) {
+    using T = typename std::decay_t<decltype(c)>::Type;
+    const Place place = place_of(c.group, minimal_json<T>(c.is_kind));
+    for_each_parameter<T>([&](const auto& row) {
+      if constexpr (IsAnimated<MemberOf<decltype(row)>>) {
+        if (is_reserved(ReservedAs::nonzero, T::k_name, row.name)) return;
+        const std::string value = json_text(T{}.*(row.member));
+        for (const std::string_view how : enum_names<Interpolation>()) {
+          const std::string curve = fmt::format(R"({{"keys":[[1,{}],[2.5,{}]],"interpolation":"{}"}})", value, value, how);
+          const ReadOptions options{{fmt::format("{}.{}={}", place.path, row.name, curve)}, {}};
+          ASSERT_EQ(folder.errors(place.scene, options), "");
+          const Scene scene = folder.read(place.scene, options);
+          const auto& read = found<T>(scene).*(row.member);
+          EXPECT_EQ(read.keys().size(), 2u);
+          EXPECT_EQ(json_text(read.interpolation()), fmt::format("\"{}\"", how));
+          EXPECT_EQ(json_text(read), value);
+        }
+      }
+    });
+  });
+}
+
+TEST(EveryKind, HasAPageThatTellsAll) {
+  const std::string index = manual_index();
+  for_everything([&](const auto& c) {
+    using T = typename std::decay_t<decltype(c)>::Type;
+    EXPECT_NE(index.find(fmt::format("\n  {} ", T::k_name)), std::string::npos) << T::k_name;
+    const std::string page = manual_page(T::k_name);
+    EXPECT_NE(page.find(T::k_doc), std::string::npos);
+    for_each_parameter<T>([&](const auto& row) { EXPECT_NE(page.find(row.doc), std::string::npos) << row.name; });
+  });
+  EXPECT_NE(manual_page("point").find("radius   number > 0, scene units, may be animated, required"), std::string::npos);
+  EXPECT_NE(index.find("fields: warps\n  translate"), std::string::npos);
+  try {
+    manual_page("pont");
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.status, ExitStatus::usage);
+    EXPECT_STREQ(e.what(), "no kind is called \"pont\" (did you mean \"point\"?)");
+  }
+}
+
+TEST(EveryKind, HasADefinitionInTheSchema) {
+  const std::string schema = json_schema();
+  ProblemList problems;
+  const JsonValue root = parse_document(schema, "schema", problems).root;
+  problems.throw_if_any();
+  for_everything([&](const auto& c) {
+    using T = typename std::decay_t<decltype(c)>::Type;
+    const std::string name = c.is_kind ? fmt::format("{}.{}", c.group, T::k_name) : std::string(T::k_name);
+    const JsonValue* definition = root.find("$defs")->find(name);
+    ASSERT_TRUE(definition) << name;
+    EXPECT_EQ(definition->find("properties")->object()->size(), std::tuple_size_v<decltype(T::parameters())> + c.is_kind);
+    EXPECT_FALSE(*definition->find("additionalProperties")->boolean());
+  });
+}
+
+/// A line of the table goes when its feature comes: what is built is not reserved, and the alternatives
+/// of a table name each other.
+TEST(Tables, AreConsistent) {
+  for_everything([&](const auto& c) {
+    using T = typename std::decay_t<decltype(c)>::Type;
+    EXPECT_FALSE(is_reserved(ReservedAs::kind, c.group, T::k_name)) << T::k_name;
+    for_each_parameter<T>([&](const auto& row) {
+      EXPECT_FALSE(is_reserved(ReservedAs::key, T::k_name, row.name)) << row.name;
+      bool is_named_back = row.alternative.empty();
+      for_each_parameter<T>([&](const auto& other) { is_named_back |= other.name == row.alternative && other.alternative == row.name; });
+      EXPECT_TRUE(is_named_back) << T::k_name << "." << row.name;
+      if constexpr (NamedEnum<MemberOf<decltype(row)>>) {
+        for (const std::string_view value : enum_names<MemberOf<decltype(row)>>())
+          EXPECT_FALSE(is_reserved(ReservedAs::value, row.name, value)) << value;
+      }
+    });
+  });
+}
+
+} // namespace
+} // namespace kelpie
