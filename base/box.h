@@ -19,9 +19,7 @@ struct BoxT {
   Vec centre() const { return (lower + upper) * T(0.5); }
   Vec extent() const { return upper - lower; }
   T diagonal() const { return is_empty() ? T(0) : glm::length(extent()); }
-  bool contains(const Vec& p) const {
-    return glm::all(glm::lessThanEqual(lower, p)) && glm::all(glm::lessThanEqual(p, upper));
-  }
+  bool contains(const Vec& p) const { return glm::all(glm::lessThanEqual(lower, p)) && glm::all(glm::lessThanEqual(p, upper)); }
   void extend(const Vec& p) { lower = glm::min(lower, p), upper = glm::max(upper, p); }
   void extend(const BoxT& b) { lower = glm::min(lower, b.lower), upper = glm::max(upper, b.upper); }
   BoxT padded(T by) const { return {lower - Vec(by), upper + Vec(by)}; }

@@ -38,7 +38,9 @@ constexpr Dual<T, N> chain(const Dual<T, N>& a, T value, T slope) {
 }
 
 template <class T, int N>
-constexpr Dual<T, N> operator-(const Dual<T, N>& a) { return chain(a, -a.value, T(-1.0)); }
+constexpr Dual<T, N> operator-(const Dual<T, N>& a) {
+  return chain(a, -a.value, T(-1.0));
+}
 template <class T, int N>
 constexpr Dual<T, N> operator+(const Dual<T, N>& a, const Dual<T, N>& b) {
   Dual<T, N> r;
@@ -68,17 +70,29 @@ constexpr Dual<T, N> operator/(const Dual<T, N>& a, const Dual<T, N>& b) {
   return r;
 }
 template <class T, int N>
-constexpr Dual<T, N> operator*(const Dual<T, N>& a, double b) { return chain(a, a.value * b, T(b)); }
+constexpr Dual<T, N> operator*(const Dual<T, N>& a, double b) {
+  return chain(a, a.value * b, T(b));
+}
 template <class T, int N>
-constexpr Dual<T, N> operator*(double a, const Dual<T, N>& b) { return b * a; }
+constexpr Dual<T, N> operator*(double a, const Dual<T, N>& b) {
+  return b * a;
+}
 template <class T, int N>
-constexpr Dual<T, N> operator+(const Dual<T, N>& a, double b) { return a + Dual<T, N>(b); }
+constexpr Dual<T, N> operator+(const Dual<T, N>& a, double b) {
+  return a + Dual<T, N>(b);
+}
 template <class T, int N>
-constexpr Dual<T, N> operator+(double a, const Dual<T, N>& b) { return b + a; }
+constexpr Dual<T, N> operator+(double a, const Dual<T, N>& b) {
+  return b + a;
+}
 template <class T, int N>
-constexpr Dual<T, N> operator-(const Dual<T, N>& a, double b) { return a - Dual<T, N>(b); }
+constexpr Dual<T, N> operator-(const Dual<T, N>& a, double b) {
+  return a - Dual<T, N>(b);
+}
 template <class T, int N>
-constexpr Dual<T, N> operator-(double a, const Dual<T, N>& b) { return Dual<T, N>(a) - b; }
+constexpr Dual<T, N> operator-(double a, const Dual<T, N>& b) {
+  return Dual<T, N>(a) - b;
+}
 
 template <class T, int N>
 constexpr Dual<T, N> max(const Dual<T, N>& a, const Dual<T, N>& b) {
@@ -90,9 +104,13 @@ constexpr Dual<T, N> max(const Dual<T, N>& a, const Dual<T, N>& b) {
   return r;
 }
 template <class T, int N>
-constexpr Dual<T, N> min(const Dual<T, N>& a, const Dual<T, N>& b) { return -max(-a, -b); }
+constexpr Dual<T, N> min(const Dual<T, N>& a, const Dual<T, N>& b) {
+  return -max(-a, -b);
+}
 template <class T, int N>
-constexpr Dual<T, N> square(const Dual<T, N>& a) { return chain(a, square(a.value), 2.0 * a.value); }
+constexpr Dual<T, N> square(const Dual<T, N>& a) {
+  return chain(a, square(a.value), 2.0 * a.value);
+}
 /// At 0 the slope is unbounded: Interval yields everything, a number yields a slope of 0.
 template <int N>
 inline Dual<double, N> sqrt(const Dual<double, N>& a) {
@@ -107,11 +125,17 @@ inline Dual<Interval, N> sqrt(const Dual<Interval, N>& a) {
 
 /// `max(0, x)` and friends with a plain number on one side.
 template <class T, int N>
-constexpr Dual<T, N> max(double a, const Dual<T, N>& b) { return max(Dual<T, N>(a), b); }
+constexpr Dual<T, N> max(double a, const Dual<T, N>& b) {
+  return max(Dual<T, N>(a), b);
+}
 template <class T, int N>
-constexpr Dual<T, N> min(double a, const Dual<T, N>& b) { return min(Dual<T, N>(a), b); }
+constexpr Dual<T, N> min(double a, const Dual<T, N>& b) {
+  return min(Dual<T, N>(a), b);
+}
 
 template <class Real>
-constexpr Real clamp(const Real& x, double lo, double hi) { return max(Real(lo), min(Real(hi), x)); }
+constexpr Real clamp(const Real& x, double lo, double hi) {
+  return max(Real(lo), min(Real(hi), x));
+}
 
 } // namespace kelpie

@@ -10,9 +10,7 @@ std::string to_string(const SourcePosition& p) {
   return fmt::format("{}:{}:{}", p.file, p.line, p.column);
 }
 
-std::string to_string(const Problem& p) {
-  return p.where.file.empty() ? p.message : fmt::format("{}: {}", to_string(p.where), p.message);
-}
+std::string to_string(const Problem& p) { return p.where.file.empty() ? p.message : fmt::format("{}: {}", to_string(p.where), p.message); }
 
 namespace {
 std::string joined(const std::vector<Problem>& problems) {
@@ -25,8 +23,7 @@ std::string joined(const std::vector<Problem>& problems) {
 }
 } // namespace
 
-Error::Error(ExitStatus s, std::vector<Problem> list)
-    : std::runtime_error(joined(list)), status(s), problems(std::move(list)) {}
+Error::Error(ExitStatus s, std::vector<Problem> list) : std::runtime_error(joined(list)), status(s), problems(std::move(list)) {}
 
 Error::Error(ExitStatus s, std::string message, SourcePosition where)
     : Error(s, std::vector<Problem>{{std::move(where), std::move(message)}}) {}
@@ -36,9 +33,7 @@ void Diagnostics::error(SourcePosition where, std::string message, ExitStatus st
   errors_.push_back({std::move(where), std::move(message)});
 }
 
-void Diagnostics::warning(SourcePosition where, std::string message) {
-  warnings_.push_back({std::move(where), std::move(message)});
-}
+void Diagnostics::warning(SourcePosition where, std::string message) { warnings_.push_back({std::move(where), std::move(message)}); }
 
 void Diagnostics::throw_if_errors() const {
   if (has_errors()) throw Error(status_, errors_);

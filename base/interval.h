@@ -18,9 +18,7 @@ struct Interval {
   constexpr Interval(double v) : lo(v), hi(v) {} // NOLINT: a number is an interval
   constexpr Interval(double l, double h) : lo(l), hi(h) {}
 
-  static constexpr Interval everything() {
-    return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-  }
+  static constexpr Interval everything() { return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()}; }
   constexpr double width() const { return hi - lo; }
   constexpr double middle() const { return 0.5 * (lo + hi); }
   /// The largest absolute value.

@@ -57,9 +57,7 @@ struct Range {
   double upper = std::numeric_limits<double>::infinity();
   bool lower_open = false, upper_open = false;
 
-  constexpr bool contains(double v) const {
-    return (lower_open ? v > lower : v >= lower) && (upper_open ? v < upper : v <= upper);
-  }
+  constexpr bool contains(double v) const { return (lower_open ? v > lower : v >= lower) && (upper_open ? v < upper : v <= upper); }
 };
 
 /// What a row of a table says about its parameter, whatever its type.
@@ -83,16 +81,54 @@ struct Parameter : ParameterRules {
 
   constexpr Parameter(std::string_view name_, T Owner::*member_, std::string_view doc_) : ParameterRules{name_, doc_}, member(member_) {}
 
-  constexpr Parameter in(Unit u) const { auto p = *this; p.unit = u; return p; }
-  constexpr Parameter at_least(double v) const { auto p = *this; p.range.lower = v; return p; }
-  constexpr Parameter above(double v) const { auto p = *this; p.range.lower = v; p.range.lower_open = true; return p; }
-  constexpr Parameter at_most(double v) const { auto p = *this; p.range.upper = v; return p; }
-  constexpr Parameter below(double v) const { auto p = *this; p.range.upper = v; p.range.upper_open = true; return p; }
-  constexpr Parameter required() const { auto p = *this; p.is_required = true; return p; }
-  constexpr Parameter nonzero() const { auto p = *this; p.is_nonzero = true; return p; }
-  constexpr Parameter or_number_for_all() const { auto p = *this; p.is_number_for_all = true; return p; }
+  constexpr Parameter in(Unit u) const {
+    auto p = *this;
+    p.unit = u;
+    return p;
+  }
+  constexpr Parameter at_least(double v) const {
+    auto p = *this;
+    p.range.lower = v;
+    return p;
+  }
+  constexpr Parameter above(double v) const {
+    auto p = *this;
+    p.range.lower = v;
+    p.range.lower_open = true;
+    return p;
+  }
+  constexpr Parameter at_most(double v) const {
+    auto p = *this;
+    p.range.upper = v;
+    return p;
+  }
+  constexpr Parameter below(double v) const {
+    auto p = *this;
+    p.range.upper = v;
+    p.range.upper_open = true;
+    return p;
+  }
+  constexpr Parameter required() const {
+    auto p = *this;
+    p.is_required = true;
+    return p;
+  }
+  constexpr Parameter nonzero() const {
+    auto p = *this;
+    p.is_nonzero = true;
+    return p;
+  }
+  constexpr Parameter or_number_for_all() const {
+    auto p = *this;
+    p.is_number_for_all = true;
+    return p;
+  }
   /// Excludes `other`, whose row says the same of this one.
-  constexpr Parameter alternative_to(std::string_view other) const { auto p = *this; p.alternative = other; return p; }
+  constexpr Parameter alternative_to(std::string_view other) const {
+    auto p = *this;
+    p.alternative = other;
+    return p;
+  }
 };
 
 template <class Owner, class T>

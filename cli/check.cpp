@@ -22,8 +22,7 @@ void check(const std::string& path, const RenderOptions& options) {
   Diagnostics diagnostics;
   Scene scene = read_scene(path, {options.set, options.allow_paths}, diagnostics);
   const PixelBox window = apply_film_options(options, scene.film);
-  const std::vector<int> frames =
-      parse_frames(options.frames.value_or(fmt::format("{}-{}", scene.frames.first, scene.frames.last)));
+  const std::vector<int> frames = parse_frames(options.frames.value_or(fmt::format("{}-{}", scene.frames.first, scene.frames.last)));
 
   EnvironmentCache environments;
   const std::atomic<bool> stop{false};
@@ -31,11 +30,11 @@ void check(const std::string& path, const RenderOptions& options) {
   const Forecast f = forecast(scene, frames, window, {environments, diagnostics, silent, stop});
   print_warnings(diagnostics);
   fmt::print("{}: good\n", path);
-  fmt::print("picture   {} frame{}, {}x{}, {} samples per pixel, {} bounces\n", frames.size(), frames.size() == 1 ? "" : "s", scene.film.resolution.x,
-             scene.film.resolution.y, scene.film.spp, scene.film.bounces);
+  fmt::print("picture   {} frame{}, {}x{}, {} samples per pixel, {} bounces\n", frames.size(), frames.size() == 1 ? "" : "s",
+             scene.film.resolution.x, scene.film.resolution.y, scene.film.spp, scene.film.bounces);
   fmt::print("shapes    {}, of up to {} elements in {} cells\n", scene.shapes.size(), f.elements, f.cells);
-  fmt::print("time      about {:.3g} s a frame on {} thread{} ({:.3g} s of CPU); {} in all\n", f.wall_s_per_frame, threads, threads == 1 ? "" : "s",
-             f.cpu_s_per_frame, format_duration(f.wall_s_per_frame * static_cast<double>(frames.size())));
+  fmt::print("time      about {:.3g} s a frame on {} thread{} ({:.3g} s of CPU); {} in all\n", f.wall_s_per_frame, threads,
+             threads == 1 ? "" : "s", f.cpu_s_per_frame, format_duration(f.wall_s_per_frame * static_cast<double>(frames.size())));
   fmt::print("memory    about {:.0f} MB\n", f.memory_mb);
 }
 

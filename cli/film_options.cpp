@@ -21,10 +21,12 @@ bool parse_int(std::string_view text, int& value) {
 /// `1280x720`, or `50%` of what the scene says.
 Vec2i parse_resolution(const std::string& text, Vec2i of_scene) {
   int percent, width, height;
-  if (!text.empty() && text.back() == '%' && parse_int(std::string_view(text).substr(0, text.size() - 1), percent) && percent >= 1 && percent <= 1000)
+  if (!text.empty() && text.back() == '%' && parse_int(std::string_view(text).substr(0, text.size() - 1), percent) && percent >= 1 &&
+      percent <= 1000)
     return glm::max(Vec2i(1), Vec2i(glm::round(glm::dvec2(of_scene) * (percent / 100.0))));
   const size_t x = text.find('x');
-  const bool is_pair = x != std::string::npos && parse_int(std::string_view(text).substr(0, x), width) && parse_int(std::string_view(text).substr(x + 1), height);
+  const bool is_pair = x != std::string::npos && parse_int(std::string_view(text).substr(0, x), width) &&
+                       parse_int(std::string_view(text).substr(x + 1), height);
   if (!is_pair || width < 1 || height < 1 || width > 65536 || height > 65536)
     usage(fmt::format("--res {}: expected WIDTHxHEIGHT (up to 65536) or a percentage, as in 1280x720 or 50%", text));
   return {width, height};
@@ -71,10 +73,9 @@ PixelBox apply_film_options(const RenderOptions& options, Film<AnimatedMode>& fi
   return parse_crop(options.crop, film.resolution);
 }
 
-
 std::string picture_hash(const Scene& scene, const PixelBox& window) {
-  return fmt::format("{}:{}x{}:{}spp:{},{},{},{}", scene.hash, scene.film.resolution.x, scene.film.resolution.y, scene.film.spp, window.x0, window.x1,
-                     window.y0, window.y1);
+  return fmt::format("{}:{}x{}:{}spp:{},{},{},{}", scene.hash, scene.film.resolution.x, scene.film.resolution.y, scene.film.spp, window.x0,
+                     window.x1, window.y0, window.y1);
 }
 
 } // namespace kelpie

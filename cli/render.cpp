@@ -10,12 +10,12 @@
 #include <sys/resource.h>
 #include <tbb/global_control.h>
 
+#include "base/atomic_file.h"
 #include "cli/command.h"
 #include "cli/film_options.h"
 #include "cli/progress.h"
 #include "cli/stats.h"
 #include "colour/spaces.h"
-#include "base/atomic_file.h"
 #include "renderer/output/camera_matrices.h"
 #include "renderer/output/exr.h"
 #include "renderer/output/sequence.h"
@@ -69,7 +69,8 @@ public:
     std::atomic<double> share{0};
     const auto progress = [&](double tile) {
       double before = share;
-      while (!share.compare_exchange_weak(before, before + tile)) {}
+      while (!share.compare_exchange_weak(before, before + tile)) {
+      }
       progress_.advance(finished_ + std::min(1.0, before + tile) * 0.999);
     };
     RenderedFrame rendered = render_frame(scene_, frame, window_, {environments_, diagnostics, progress, g_stop});

@@ -13,16 +13,16 @@ namespace kelpie {
 
 struct RenderOptions {
   std::optional<std::string> frames; ///< a range as in `1-96x2,100`; none: all frames of the scene
-  std::string output;     ///< a pattern; empty: NAME.####.exr in the current folder
-  std::string resolution; ///< `1280x720`, `50%`, or empty
-  std::string crop;       ///< `x0,x1,y0,y1`, or empty
-  std::string quality;    ///< `draft`, `final`, or empty
-  int spp = 0;            ///< 0: as in the scene
-  int threads = 0;        ///< 0: all cores
+  std::string output;                ///< a pattern; empty: NAME.####.exr in the current folder
+  std::string resolution;            ///< `1280x720`, `50%`, or empty
+  std::string crop;                  ///< `x0,x1,y0,y1`, or empty
+  std::string quality;               ///< `draft`, `final`, or empty
+  int spp = 0;                       ///< 0: as in the scene
+  int threads = 0;                   ///< 0: all cores
   bool skip_existing = false;
-  std::string stats;      ///< a JSON file, or empty
+  std::string stats; ///< a JSON file, or empty
   ProgressMode progress = ProgressMode::automatic;
-  std::string ocio;       ///< an OCIO config, or empty
+  std::string ocio; ///< an OCIO config, or empty
   std::vector<std::string> set, allow_paths;
 };
 

@@ -28,7 +28,9 @@ using FieldFolderKinds = KindList< //
 
 /// Yields blobs: `void append_blobs(BlobCloud&) const`.
 template <class K>
-concept BlobSource = requires(const K k, BlobCloud out) { k.append_blobs(out); };
+concept BlobSource = requires(const K k, BlobCloud out) {
+  k.append_blobs(out);
+};
 /// A leaf: `Box3 support()`, and `Real potential(Point3<Real>)` for double, Interval and Dual.
 template <class K>
 concept Skeleton = requires(const K k, Point3<double> p, Point3<Interval> b) {
@@ -44,6 +46,8 @@ concept Operator = requires(const K k, std::span<const double> f, std::span<cons
 };
 /// Moves the space of its child affinely.
 template <class K>
-concept AffineWarp = requires(const K k) { k.parent_from_child(); };
+concept AffineWarp = requires(const K k) {
+  k.parent_from_child();
+};
 
 } // namespace kelpie

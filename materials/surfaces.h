@@ -13,9 +13,7 @@ struct Matte {
 
   Value<Mode, Colour> colour{Colour{Vec3(0.5f)}};
 
-  static constexpr auto parameters() {
-    return std::tuple{parameter("colour", &Matte::colour, "albedo").at_least(0).at_most(1)};
-  }
+  static constexpr auto parameters() { return std::tuple{parameter("colour", &Matte::colour, "albedo").at_least(0).at_most(1)}; }
 };
 
 template <class Mode>

@@ -48,8 +48,11 @@ struct Film {
     return std::tuple{
         parameter("resolution", &Film::resolution, "width and height").in(Unit::pixels).at_least(1).at_most(65536),
         parameter("spp", &Film::spp, "samples per pixel").at_least(1).at_most(1 << 20),
-        parameter("bounces", &Film::bounces, "how often light is followed from surface to surface; 0: direct light only").at_least(0).at_most(1000),
-        parameter("aovs", &Film::aovs, "further channels: Z (distance along the camera axis), P (world position), N (world normal), albedo"),
+        parameter("bounces", &Film::bounces, "how often light is followed from surface to surface; 0: direct light only")
+            .at_least(0)
+            .at_most(1000),
+        parameter("aovs", &Film::aovs,
+                  "further channels: Z (distance along the camera axis), P (world position), N (world normal), albedo"),
         parameter("filter", &Film::filter, "`gaussian` (smooth), `box` (one pixel wide), `centre` (no antialiasing)"),
         parameter("background", &Film::background, "`environment`, `transparent`, or a colour"),
     };

@@ -32,7 +32,8 @@ The middle of the map lies in the direction -z, its top is +y.)";
 
   static constexpr auto parameters() {
     return std::tuple{
-        parameter("file", &EnvironmentLight::file, "the map (.hdr: linear Rec.709; .exr: as its header says, else linear Rec.709)").alternative_to("preset"),
+        parameter("file", &EnvironmentLight::file, "the map (.hdr: linear Rec.709; .exr: as its header says, else linear Rec.709)")
+            .alternative_to("preset"),
         parameter("preset", &EnvironmentLight::preset, "an environment that needs no file").alternative_to("file"),
         parameter("strength", &EnvironmentLight::strength, "factor of the map's radiance").at_least(0),
         parameter("rotation", &EnvironmentLight::rotation, "turns the map about +y").in(Unit::degrees),

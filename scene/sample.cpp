@@ -43,9 +43,9 @@ unsigned sample_tree(const FieldNode& node, double frame, SampledField& out) {
 /// The variant of a list, at one moment.
 template <class List>
 typename List::template Variant<SampledMode> sample_variant(const typename List::template Variant<AnimatedMode>& v, double frame) {
-  return std::visit(
-      [&]<template <class> class Kind>(const Kind<AnimatedMode>& k) -> typename List::template Variant<SampledMode> { return sample_kind(k, frame); },
-      v);
+  return std::visit([&]<template <class> class Kind>(const Kind<AnimatedMode>& k) ->
+                    typename List::template Variant<SampledMode> { return sample_kind(k, frame); },
+                    v);
 }
 
 } // namespace

@@ -59,7 +59,9 @@ TEST(PixelFilter, OffsetsAreCentredAndOfTheFiltersWidth) {
       mean += x / n, square += x * x / n;
     }
     EXPECT_NEAR(mean, 0, 1e-3);
-    const double expected = kind == PixelFilter::centre ? 0 : kind == PixelFilter::box ? 1 / std::sqrt(12.0) : 0.47; // cut off: a little below 0.5
+    const double expected = kind == PixelFilter::centre ? 0
+                            : kind == PixelFilter::box  ? 1 / std::sqrt(12.0)
+                                                        : 0.47; // cut off: a little below 0.5
     EXPECT_NEAR(std::sqrt(square), expected, 0.01);
   }
 }
@@ -139,7 +141,8 @@ IntegrateResult render(const FrameScene& scene) {
   const std::vector<Light> lights = make_lights(scene, cache, diagnostics);
   const std::atomic<bool> stop{false};
   const Tracer tracer(scene);
-  return integrate(scene, tracer, lights, {0, 0, scene.film.resolution.x, scene.film.resolution.y}, [](double) {}, stop);
+  return integrate(
+      scene, tracer, lights, {0, 0, scene.film.resolution.x, scene.film.resolution.y}, [](double) {}, stop);
 }
 
 // A convex body in light that is the same from everywhere reflects its albedo, at every bounce limit.
@@ -225,7 +228,8 @@ TEST(Integrate, AnyNumberOfThreadsAndAnyCropMakeTheSamePixels) {
   EnvironmentCache cache;
   const std::vector<Light> lights = make_lights(scene, cache, diagnostics);
   const std::atomic<bool> stop{false};
-  const IntegrateResult crop = integrate(scene, Tracer(scene), lights, {13, 9, 31, 22}, [](double) {}, stop);
+  const IntegrateResult crop = integrate(
+      scene, Tracer(scene), lights, {13, 9, 31, 22}, [](double) {}, stop);
   for (int y = 9; y < 22; ++y)
     for (int x = 13; x < 31; ++x) ASSERT_EQ(crop.image.find("R")->pixels[crop.image.index(x, y)], reds[0][size_t(y * 48 + x)]);
 }

@@ -15,9 +15,7 @@ Source: methods.md section 2.)";
 
   typename Mode::Children children;
 
-  static constexpr auto parameters() {
-    return std::tuple{parameter("children", &Blend::children, "the fields to add").required()};
-  }
+  static constexpr auto parameters() { return std::tuple{parameter("children", &Blend::children, "the fields to add").required()}; }
 
   template <class Real>
   Real combine(std::span<const Real> f, double /*threshold*/) const {

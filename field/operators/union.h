@@ -15,9 +15,7 @@ Creased where the surfaces cross. Source: methods.md section 2.)";
 
   typename Mode::Children children;
 
-  static constexpr auto parameters() {
-    return std::tuple{parameter("children", &Union::children, "the fields to unite").required()};
-  }
+  static constexpr auto parameters() { return std::tuple{parameter("children", &Union::children, "the fields to unite").required()}; }
 
   template <class Real>
   Real combine(std::span<const Real> f, double /*threshold*/) const {

@@ -22,8 +22,7 @@ struct Affine {
   template <class Real>
   Point3<Real> apply(const Point3<Real>& p) const {
     const Mat3d& m = linear;
-    return {m[0][0] * p.x + m[1][0] * p.y + m[2][0] * p.z + Real(offset.x),
-            m[0][1] * p.x + m[1][1] * p.y + m[2][1] * p.z + Real(offset.y),
+    return {m[0][0] * p.x + m[1][0] * p.y + m[2][0] * p.z + Real(offset.x), m[0][1] * p.x + m[1][1] * p.y + m[2][1] * p.z + Real(offset.y),
             m[0][2] * p.x + m[1][2] * p.y + m[2][2] * p.z + Real(offset.z)};
   }
 };
@@ -75,7 +74,8 @@ struct Rotate {
 template <class Mode>
 struct Scale {
   static constexpr std::string_view k_name = "scale";
-  static constexpr std::string_view k_doc = "Scales its child by a factor for each axis about `centre`. The potential itself is not scaled.";
+  static constexpr std::string_view k_doc =
+      "Scales its child by a factor for each axis about `centre`. The potential itself is not scaled.";
 
   Value<Mode, Vec3> by{Vec3(1)};
   Value<Mode, Vec3> centre{Vec3(0)};

@@ -18,9 +18,9 @@ struct Cell {
   };
   Box3 box;
   Content content = Content::code;
-  uint32_t count = 0;  ///< blobs, padding included; or steps
-  uint64_t first = 0;  ///< into ShapeCells::blob_data or ::steps
-  float epsilon = 0;   ///< offset of secondary rays along the normal: 1e-3 of the smallest radius of influence
+  uint32_t count = 0; ///< blobs, padding included; or steps
+  uint64_t first = 0; ///< into ShapeCells::blob_data or ::steps
+  float epsilon = 0;  ///< offset of secondary rays along the normal: 1e-3 of the smallest radius of influence
 };
 
 /// All cells of one shape. The code of a cell refers to `operands` and `blob_indices` from their starts.
@@ -42,8 +42,9 @@ struct ShapeCells {
 
 /// How far space is subdivided.
 struct CellLimits {
-  uint32_t elements = 16;      ///< few enough elements make a cell a leaf…
-  float side_in_radii = 2;  ///< …and so does a side below this many radii of influence of its smallest element (finer: slower, and eight times the memory a halving)
+  uint32_t elements = 16;  ///< few enough elements make a cell a leaf…
+  float side_in_radii = 2; ///< …and so does a side below this many radii of influence of its smallest element (finer: slower, and eight
+                           ///< times the memory a halving)
   int depth = 24;
 };
 

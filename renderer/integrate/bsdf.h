@@ -21,9 +21,9 @@ struct Frame {
 };
 
 struct BsdfSample {
-  Vec3 direction{0};   ///< of the incoming light
-  Vec3 weight{0};      ///< bsdf * cosine / pdf
-  float pdf = 0;       ///< per solid angle; 0 where the sample is invalid
+  Vec3 direction{0};     ///< of the incoming light
+  Vec3 weight{0};        ///< bsdf * cosine / pdf
+  float pdf = 0;         ///< per solid angle; 0 where the sample is invalid
   bool is_delta = false; ///< a mirror: no light sample can match it
 };
 

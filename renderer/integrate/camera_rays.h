@@ -12,8 +12,8 @@ public:
   CameraRays(const Camera<SampledMode>& camera, Vec2i resolution)
       : position_(camera.position), forward_(glm::normalize(camera.look_at - camera.position)),
         right_(glm::normalize(glm::cross(forward_, camera.up))), up_(glm::cross(right_, forward_)),
-        pixel_(2 * std::tan(glm::radians(camera.fov) / 2) / static_cast<float>(resolution.y)),
-        middle_(Vec2(resolution) * 0.5f), lens_radius_(camera.aperture / 2), focus_(camera.focus) {}
+        pixel_(2 * std::tan(glm::radians(camera.fov) / 2) / static_cast<float>(resolution.y)), middle_(Vec2(resolution) * 0.5f),
+        lens_radius_(camera.aperture / 2), focus_(camera.focus) {}
 
   /// The ray through a point of the film, in pixels from the top left (the first pixel's centre is 0.5, 0.5).
   /// `lens`: an even point of the unit square, used where the lens has an aperture.

@@ -47,10 +47,11 @@ private:
 
 class FrameIntegrator {
 public:
-  FrameIntegrator(const FrameScene& frame, const Tracer& tracer, const std::vector<Light>& lights, const PixelBox& window, IntegrateResult& out)
-      : frame_(frame), tracer_(tracer), paths_(tracer, lights, frame), camera_(frame.camera, frame.film.resolution),
-        filter_(frame.film.filter), window_(window), out_(out), channels_(out.image, frame.film.aovs),
-        camera_inside_(tracer.shape_around(frame.camera.position)), frame_number_(static_cast<uint32_t>(std::llround(frame.frame))) {}
+  FrameIntegrator(const FrameScene& frame, const Tracer& tracer, const std::vector<Light>& lights, const PixelBox& window,
+                  IntegrateResult& out)
+      : frame_(frame), paths_(tracer, lights, frame), camera_(frame.camera, frame.film.resolution), filter_(frame.film.filter),
+        window_(window), out_(out), channels_(out.image, frame.film.aovs), camera_inside_(tracer.shape_around(frame.camera.position)),
+        frame_number_(static_cast<uint32_t>(std::llround(frame.frame))) {}
 
   void tile(int x0, int y0) {
     flush_denormals_in_this_thread();
@@ -109,7 +110,6 @@ private:
   static bool is_finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
   const FrameScene& frame_;
-  const Tracer& tracer_;
   PathTracer paths_;
   CameraRays camera_;
   PixelFilterSampler filter_;

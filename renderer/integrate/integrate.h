@@ -12,9 +12,9 @@ namespace kelpie {
 struct IntegrateResult {
   FrameImage image;
   RayCounters rays;
-  uint64_t nonfinite = 0;                 ///< samples that were NaN or infinite, counted as black
-  Vec2i first_nonfinite{-1, -1};          ///< the pixel of one of them
-  bool was_stopped = false;               ///< `stop` was set: the image is not whole
+  uint64_t nonfinite = 0;        ///< samples that were NaN or infinite, counted as black
+  Vec2i first_nonfinite{-1, -1}; ///< the pixel of one of them
+  bool was_stopped = false;      ///< `stop` was set: the image is not whole
 };
 
 /// Renders the pixels of `window` in the current TBB arena. A pixel depends on the scene, its place, the

@@ -17,7 +17,8 @@ std::shared_ptr<const EnvironmentMap> EnvironmentCache::get(const EnvironmentLig
 }
 
 Light::Light(std::shared_ptr<const EnvironmentMap> map, const EnvironmentLight<SampledMode>& light)
-    : map_(std::move(map)), strength_(light.strength), cos_(std::cos(glm::radians(light.rotation))), sin_(std::sin(glm::radians(light.rotation))) {}
+    : map_(std::move(map)), strength_(light.strength), cos_(std::cos(glm::radians(light.rotation))),
+      sin_(std::sin(glm::radians(light.rotation))) {}
 
 Light::Light(const SunLight<SampledMode>& sun) : direction_(glm::normalize(sun.direction)) {
   const Vec3 irradiance = sun.colour.rgb * sun.strength;

@@ -22,8 +22,8 @@ constexpr int k_roulette_from = 4;
 /// A point of a path, with the side of the surface that the path is on.
 struct PathTracer::Vertex {
   Vertex(const Hit& h, const Vec3& direction, const Bsdf& b, int inside_before)
-      : hit(h), is_back(glm::dot(h.normal, direction) > 0), frame(is_back ? -h.normal : h.normal),
-        out(frame.local_from_world(-direction)), bsdf(b), inside(inside_before) {}
+      : hit(h), is_back(glm::dot(h.normal, direction) > 0), frame(is_back ? -h.normal : h.normal), out(frame.local_from_world(-direction)),
+        bsdf(b), inside(inside_before) {}
 
   /// A ray that leaves the vertex on the side on which the path came.
   Ray leave(const Vec3& direction) const {

@@ -64,7 +64,8 @@ struct BlobSumBound {
 };
 
 /// Bounds a step of blobs; appends those that reach the box to `out` and makes the step refer to them.
-Interval bound_blobs(const FieldProgram& program, std::span<const uint32_t> list, Instruction& step, const Box3d& box, std::vector<uint32_t>& out) {
+Interval bound_blobs(const FieldProgram& program, std::span<const uint32_t> list, Instruction& step, const Box3d& box,
+                     std::vector<uint32_t>& out) {
   BlobSumBound sum;
   sum.centre = Vec3(box.centre()), sum.half = Vec3(box.extent() * 0.5) * (1 + 1e-6f);
   step.first = static_cast<uint32_t>(out.size());
@@ -77,7 +78,7 @@ Interval bound_blobs(const FieldProgram& program, std::span<const uint32_t> list
 template <class Kind>
 Interval bound_skeleton(const Kind& kind, const Box3d& box) {
   const Vec3d c = box.centre(), h = box.extent() * 0.5;
-  const Box3d support(Vec3d(kind.support().lower), Vec3d(kind.support().upper));
+  const Box3d support{Vec3d(kind.support().lower), Vec3d(kind.support().upper)};
   if (intersect(support, box).is_empty()) return 0.0;
   using D = Dual<Interval, 3>;
   const auto variable = [&](int i) { return D::variable({box.lower[i], box.upper[i]}, i); };
@@ -87,7 +88,8 @@ Interval bound_skeleton(const Kind& kind, const Box3d& box) {
   return std::isfinite(reach) ? intersect(f.value, Interval{at_centre - reach, at_centre + reach}) : f.value;
 }
 
-Interval bound_node(const FieldProgram& program, const Code& code, const Instruction& step, const Box3d& box, std::span<const Interval> ranges) {
+Interval bound_node(const FieldProgram& program, const Code& code, const Instruction& step, const Box3d& box,
+                    std::span<const Interval> ranges) {
   return std::visit(
       [&](const auto& kind) -> Interval {
         using K = std::decay_t<decltype(kind)>;
@@ -106,7 +108,8 @@ Interval bound_node(const FieldProgram& program, const Code& code, const Instruc
 
 class Pruner {
 public:
-  Pruner(const FieldProgram& program, const Code& code, std::span<const Interval> ranges) : program_(program), code_(code), ranges_(ranges) {}
+  Pruner(const FieldProgram& program, const Code& code, std::span<const Interval> ranges)
+      : program_(program), code_(code), ranges_(ranges) {}
 
   Code run() {
     emit(static_cast<uint32_t>(code_.steps.size() - 1), Demand::sign);

@@ -30,8 +30,8 @@ Real sum_of_blobs(const BlobArrays& blobs, std::span<const uint32_t> list, const
 
 /// The value of one step, given those of the steps before it. `operands` is scratch.
 template <class Real>
-Real evaluate_step(const FieldProgram& program, const CodeView& code, const Instruction& step, const Point3<Real>& p, const std::vector<Real>& values,
-                   std::vector<Real>& operands) {
+Real evaluate_step(const FieldProgram& program, const CodeView& code, const Instruction& step, const Point3<Real>& p,
+                   const std::vector<Real>& values, std::vector<Real>& operands) {
   const Point3<Real> local = step.space == 0 ? p : program.spaces[step.space].apply(p);
   switch (step.kind) {
   case Instruction::Kind::blobs: return sum_of_blobs(program.blobs, code.blobs.subspan(step.first, step.count), local);
@@ -47,8 +47,7 @@ Real evaluate_step(const FieldProgram& program, const CodeView& code, const Inst
     for (uint32_t i = 0; i < step.count; ++i) operands.push_back(values[code.operands[step.first + i]]);
     return std::visit(
         [&](const auto& kind) {
-          if constexpr (Operator<std::decay_t<decltype(kind)>>)
-            return kind.combine(std::span<const Real>(operands), program.threshold);
+          if constexpr (Operator<std::decay_t<decltype(kind)>>) return kind.combine(std::span<const Real>(operands), program.threshold);
           return Real(0.0);
         },
         program.field.nodes[step.node]);

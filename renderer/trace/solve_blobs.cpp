@@ -43,7 +43,7 @@ constexpr size_t k_width = hn::MaxLanes(Lanes{});
 constexpr size_t k_vectors = k_samples / k_width;
 
 /// Where the 16 samples lie in [-1, 1].
-alignas(64) constexpr float k_places[k_samples] = {-1,          -13.f / 15, -11.f / 15, -9.f / 15, -7.f / 15, -5.f / 15, -3.f / 15, -1.f / 15,
+alignas(64) constexpr float k_places[k_samples] = {-1,       -13.f / 15, -11.f / 15, -9.f / 15, -7.f / 15, -5.f / 15, -3.f / 15, -1.f / 15,
                                                    1.f / 15, 3.f / 15,   5.f / 15,   7.f / 15,  9.f / 15,  11.f / 15, 13.f / 15, 1};
 
 /// Pure: quartic falloffs and positive weights only, weights folded into q. Then f = sum q^2.
@@ -149,7 +149,8 @@ private:
     const V s = hn::Set(l, place), zero = hn::Zero(l);
     V f = zero;
     for (size_t i = 0; i < active_.count; i += k_width) {
-      const V q = hn::Max(hn::MulAdd(hn::MulAdd(hn::LoadU(l, &active_.c[i]), s, hn::LoadU(l, &active_.b[i])), s, hn::LoadU(l, &active_.a[i])), zero);
+      const V q = hn::Max(
+          hn::MulAdd(hn::MulAdd(hn::LoadU(l, &active_.c[i]), s, hn::LoadU(l, &active_.b[i])), s, hn::LoadU(l, &active_.a[i])), zero);
       if constexpr (Pure)
         f = hn::MulAdd(q, q, f);
       else
@@ -231,7 +232,8 @@ Vec3 BlobsGradient(const ShapeCells& shape, const Cell& cell, const Vec3& p) {
   const V px = hn::Set(l, p.x), py = hn::Set(l, p.y), pz = hn::Set(l, p.z), zero = hn::Zero(l);
   V gx = zero, gy = zero, gz = zero;
   for (size_t i = 0; i < n; i += k_width) {
-    const V x = hn::Sub(px, hn::LoadU(l, blobs + i)), y = hn::Sub(py, hn::LoadU(l, blobs + n + i)), z = hn::Sub(pz, hn::LoadU(l, blobs + 2 * n + i));
+    const V x = hn::Sub(px, hn::LoadU(l, blobs + i)), y = hn::Sub(py, hn::LoadU(l, blobs + n + i)),
+            z = hn::Sub(pz, hn::LoadU(l, blobs + 2 * n + i));
     const V s = hn::LoadU(l, blobs + 3 * n + i), k = hn::LoadU(l, blobs + 4 * n + i);
     const V q = hn::Max(hn::NegMulAdd(k, hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Mul(z, z))), s), zero);
     V slope = hn::Set(l, 2.f);
@@ -260,7 +262,9 @@ bool solve_blobs(const ShapeCells& shape, const Cell& cell, const RaySegment& ra
   return HWY_DYNAMIC_DISPATCH(SolveBlobs)(shape, cell, ray, counters, t);
 }
 
-Vec3 blobs_gradient(const ShapeCells& shape, const Cell& cell, const Vec3& p) { return HWY_DYNAMIC_DISPATCH(BlobsGradient)(shape, cell, p); }
+Vec3 blobs_gradient(const ShapeCells& shape, const Cell& cell, const Vec3& p) {
+  return HWY_DYNAMIC_DISPATCH(BlobsGradient)(shape, cell, p);
+}
 
 } // namespace kelpie
 #endif

@@ -18,8 +18,8 @@ namespace {
 class CodeSolver {
 public:
   CodeSolver(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolveCounters& counters)
-      : program_(shape.program), code_(shape.code(cell)), origin_(ray.origin), direction_(ray.direction),
-        sign_(ray.from_inside ? -1 : 1), counters_(counters),
+      : program_(shape.program), code_(shape.code(cell)), origin_(ray.origin), direction_(ray.direction), sign_(ray.from_inside ? -1 : 1),
+        counters_(counters),
         // Below this width a stretch of ray is a point: far below the offset of secondary rays.
         width_(std::max(1e-4 * cell.epsilon, 2e-7 * std::abs(double(ray.t1)))) {}
 
@@ -65,7 +65,8 @@ private:
       x.d[0] = Interval{along};
       return x;
     };
-    const D f = evaluate(program_, code_, Point3<D>{coordinate(m.x, direction_.x), coordinate(m.y, direction_.y), coordinate(m.z, direction_.z)});
+    const D f =
+        evaluate(program_, code_, Point3<D>{coordinate(m.x, direction_.x), coordinate(m.y, direction_.y), coordinate(m.z, direction_.z)});
     return sign_ * (f - program_.threshold);
   }
 
