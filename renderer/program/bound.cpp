@@ -117,29 +117,7 @@ public:
   }
 
 private:
-  /// Emits what is left of a step; returns its new position.
-  uint32_t emit(uint32_t position, Demand demand) {
-    const Instruction& step = code_.steps[position];
-    const Interval& range = ranges_[position];
-    if (range.lo == 0 && range.hi == 0) return push({}); // the constant 0
-    if (step.kind != Instruction::Kind::combine) return emit_leaf(step);
-    return std::visit(
-        [&](const auto& kind) -> uint32_t {
-          if constexpr (Operator<std::decay_t<decltype(kind)>>) return emit_operator(kind, step, demand);
-          return push({});
-        },
-        program_.field.nodes[step.node]);
-  }
-
-  uint32_t emit_leaf(Instruction step) {
-    if (step.kind == Instruction::Kind::blobs) {
-      const auto list = code_.blobs.begin() + step.first;
-      step.first = static_cast<uint32_t>(out_.blobs.size());
-      out_.blobs.insert(out_.blobs.end(), list, list + step.count);
-    }
-    return push(step);
-  }
-
+  // Before `emit`: clang 14 forgets to instantiate a member that a generic lambda uses before it is defined.
   template <class Kind>
   uint32_t emit_operator(const Kind& kind, const Instruction& step, Demand demand) {
     std::vector<Interval> operands;
@@ -162,6 +140,29 @@ private:
     out.first = static_cast<uint32_t>(out_.operands.size()), out.count = static_cast<uint32_t>(positions.size());
     out_.operands.insert(out_.operands.end(), positions.begin(), positions.end());
     return push(out);
+  }
+
+  /// Emits what is left of a step; returns its new position.
+  uint32_t emit(uint32_t position, Demand demand) {
+    const Instruction& step = code_.steps[position];
+    const Interval& range = ranges_[position];
+    if (range.lo == 0 && range.hi == 0) return push({}); // the constant 0
+    if (step.kind != Instruction::Kind::combine) return emit_leaf(step);
+    return std::visit(
+        [&](const auto& kind) -> uint32_t {
+          if constexpr (Operator<std::decay_t<decltype(kind)>>) return emit_operator(kind, step, demand);
+          return push({});
+        },
+        program_.field.nodes[step.node]);
+  }
+
+  uint32_t emit_leaf(Instruction step) {
+    if (step.kind == Instruction::Kind::blobs) {
+      const auto list = code_.blobs.begin() + step.first;
+      step.first = static_cast<uint32_t>(out_.blobs.size());
+      out_.blobs.insert(out_.blobs.end(), list, list + step.count);
+    }
+    return push(step);
   }
 
   uint32_t push(Instruction step) {
