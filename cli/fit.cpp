@@ -12,6 +12,8 @@ namespace kelpie {
 
 namespace {
 
+constexpr size_t k_usual_blobs = 500;
+
 struct Options : FitCommandOptions {
   std::string mesh, output, stats;
   unsigned threads = 0;
@@ -40,12 +42,13 @@ void fit(const Options& options) {
 } // namespace
 
 void add_fit_options(CLI::App& command, FitCommandOptions& o) {
-  command.add_option("--blobs", o.blobs, "how many blobs to fit")->check(CLI::Range(1, 20'000))->capture_default_str();
+  command.add_option("--blobs", o.blobs, "how many blobs to fit [500, or fewer where they are as good]")->check(CLI::Range(1, 20'000));
 }
 
 FitResult fit_and_report(const std::string& mesh_path, const FitCommandOptions& options) {
   Diagnostics diagnostics;
-  FitResult r = fit_mesh_file(mesh_path, {options.blobs}, !options.no_cache, diagnostics);
+  FitResult r =
+      fit_mesh_file(mesh_path, {options.blobs > 0 ? options.blobs : k_usual_blobs, options.blobs == 0}, !options.no_cache, diagnostics);
   if (r.lost > 0)
     diagnostics.warning({mesh_path, 0, 0}, fmt::format("{:.2g} % of the mesh have no surface near: more blobs may help", 100 * r.lost));
   if (r.spurs > 0)

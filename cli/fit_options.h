@@ -10,7 +10,7 @@
 namespace kelpie {
 
 struct FitCommandOptions {
-  size_t blobs = 500;
+  size_t blobs = 0; ///< 0: 500, or fewer where they are as good
   bool no_cache = false;
 };
 

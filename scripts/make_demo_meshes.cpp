@@ -21,8 +21,8 @@ using kelpie::Vec3d;
 /// Positive inside.
 using Function = std::function<double(const Vec3d&)>;
 
-/// A ring about the y axis through `centre`, 1 in radius and as thick as `tube` says.
-double ring(const Vec3d& p, double centre, double tube) { return tube - std::hypot(std::hypot(p.x - centre, p.z) - 1, p.y); }
+/// A ring that stands upright, its axis along z, its middle at x = `centre`, 1 in radius and as thick as `tube` says.
+double ring(const Vec3d& p, double centre, double tube) { return tube - std::hypot(std::hypot(p.x - centre, p.y) - 1, p.z); }
 
 double torus(const Vec3d& p) { return ring(p, 0, 0.4); }
 

@@ -82,7 +82,7 @@ TEST(Samples, AreSpreadAndTheSameEveryTime) {
 }
 
 TEST(Fit, TorusIsCloseEverywhereAndNothingSticksOut) {
-  const FitResult r = fit_blobs(torus(64, 32, 0.35), {120}, "torus");
+  const FitResult r = fit_blobs(torus(64, 32, 0.35), {120, false}, "torus");
   EXPECT_GT(r.blobs.size(), 90u);
   EXPECT_LE(r.blobs.size(), 120u);
   EXPECT_LT(r.rms, 0.001);
@@ -95,12 +95,18 @@ TEST(Fit, TorusIsCloseEverywhereAndNothingSticksOut) {
   }
 }
 
+TEST(Fit, UsesFewerWhereTheyAreAsGood) {
+  const FitResult r = fit_blobs(torus(64, 32, 0.35), {400}, "torus");
+  EXPECT_LT(r.blobs.size(), 200u);
+  EXPECT_LT(r.rms, 0.0005);
+}
+
 TEST(Fit, IsTheSameEveryTimeAndInTheFilesCoordinates) {
   Mesh mesh = torus(40, 20, 0.35);
-  const FitResult a = fit_blobs(mesh, {60}, "torus"), b = fit_blobs(mesh, {60}, "torus");
+  const FitResult a = fit_blobs(mesh, {60, false}, "torus"), b = fit_blobs(mesh, {60, false}, "torus");
   EXPECT_TRUE(same(a.blobs, b.blobs));
   mesh.origin = {100, 0, 0};
-  const FitResult moved = fit_blobs(mesh, {60}, "torus");
+  const FitResult moved = fit_blobs(mesh, {60, false}, "torus");
   EXPECT_NEAR(moved.blobs[0].centre.x, a.blobs[0].centre.x + 100, 1e-4);
 }
 

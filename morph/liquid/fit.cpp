@@ -38,7 +38,7 @@ FitResult fit_blobs(const Mesh& mesh, const FitOptions& options, const std::stri
   FitResult result;
   const double start = cpu_seconds();
   std::vector<SurfaceSample> samples = spread_samples(unit, k_dense_per_blob * options.blobs, 1);
-  const SphereTree tree = build_sphere_tree(samples, area, options.blobs);
+  const SphereTree tree = build_sphere_tree(samples, area, options.blobs, options.may_use_fewer);
   std::vector<MedialSphere> spheres;
   for (const SphereTree::Node& n : tree.finest()) spheres.push_back(n.sphere);
   if (spheres.empty()) throw Error(ExitStatus::bad_data, "the mesh has no inside that could be filled with blobs", {name, 0, 0});
@@ -46,7 +46,8 @@ FitResult fit_blobs(const Mesh& mesh, const FitOptions& options, const std::stri
   result.sphere_tree_s = tree_done - start;
 
   samples.resize(std::min(samples.size(), k_fitted_per_blob * options.blobs)); // they come in no spatial order
-  const std::vector<BlobParameters> blobs = Fitter(std::move(samples), area).fit(spheres, options.blobs);
+  const std::vector<BlobParameters> blobs =
+      Fitter(std::move(samples), area).fit(spheres, options.may_use_fewer ? spheres.size() : options.blobs);
   result.fit_s = cpu_seconds() - tree_done;
 
   const FitErrors errors = measure_fit(blobs, unit, 2);

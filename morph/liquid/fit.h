@@ -7,7 +7,8 @@
 namespace kelpie {
 
 struct FitOptions {
-  size_t blobs = 500; ///< wanted; shapes of few features get by with fewer
+  size_t blobs = 500;
+  bool may_use_fewer = true; ///< where fewer are as good: every blob costs time in each frame
 };
 
 /// What came of it. Distances are fractions of the mesh's bounding-box diagonal, measured (measure.h) from points of

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Raise it whenever the same mesh and options yield other blobs or figures.
-constexpr int k_revision = 1;
+constexpr int k_revision = 2;
 
 /// Empty where there is no home to keep anything in.
 fs::path cache_folder() {
@@ -29,7 +29,8 @@ fs::path cache_folder() {
 
 std::string cache_key(const std::string& bytes, const FitOptions& options) {
   const XXH128_hash_t content = XXH3_128bits(bytes.data(), bytes.size());
-  const std::string all = fmt::format("{:016x}{:016x} {} {} {}", content.high64, content.low64, options.blobs, k_revision, KELPIE_VERSION);
+  const std::string all = fmt::format("{:016x}{:016x} {} {} {} {}", content.high64, content.low64, options.blobs, options.may_use_fewer,
+                                      k_revision, KELPIE_VERSION);
   const XXH128_hash_t key = XXH3_128bits(all.data(), all.size());
   return fmt::format("fit-{:016x}{:016x}", key.high64, key.low64);
 }

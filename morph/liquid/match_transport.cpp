@@ -18,7 +18,7 @@ constexpr int k_sweeps = 12, k_last_sweeps = 60;
 constexpr double k_radius_cost = 0.01;
 
 /// Parts of less than this share of both of their blobs are left out.
-constexpr double k_least_share = 0.04;
+constexpr double k_least_share = 0.07;
 
 /// A blob as a point with mass.
 struct Parcel {

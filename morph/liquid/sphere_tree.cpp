@@ -90,6 +90,9 @@ struct Reach {
 /// Lengths are in units of the shape's diagonal.
 constexpr double k_usual_radius = 0.05, k_least_radius = 0.008, k_most_expansion = 0.025;
 
+/// A torus whose spheres stick out of each other by this much is fitted as well as one of four times the spheres.
+constexpr double k_close_expansion = 0.001;
+
 /// Bradshaw and O'Sullivan's expanding reduction: the least expansion d such that a greedy cover of the
 /// samples by spheres of radius r + d sqrt(r / usual) needs no more than `wanted`.
 class Expander {
@@ -106,9 +109,13 @@ public:
     }
   }
 
-  /// Indices of the chosen spheres.
-  std::vector<size_t> reduce(size_t wanted) const {
-    double low = 0, high = most_;
+  /// Indices of the chosen spheres; fewer than wanted where an expansion of `least` is enough.
+  std::vector<size_t> reduce(size_t wanted, double least) const {
+    double low = least, high = most_;
+    if (least > 0) {
+      std::vector<size_t> close = cover(least, wanted + 1);
+      if (close.size() <= wanted) return close;
+    }
     std::vector<size_t> best = cover(high, wanted);
     for (int step = 0; step < 12; ++step) {
       const double middle = 0.5 * (low + high);
@@ -178,7 +185,7 @@ unsigned find_parent(const MedialSphere& child, const std::vector<SphereTree::No
 
 } // namespace
 
-SphereTree build_sphere_tree(std::span<const SurfaceSample> dense, double area, size_t spheres) {
+SphereTree build_sphere_tree(std::span<const SurfaceSample> dense, double area, size_t spheres, bool may_use_fewer) {
   SphereTree tree;
   tree.levels.push_back({{enclosing_sphere(dense), 0}});
   const PointIndex index(dense);
@@ -193,7 +200,8 @@ SphereTree build_sphere_tree(std::span<const SurfaceSample> dense, double area, 
   if (sizes.empty()) sizes.push_back(spheres);
   for (const size_t n : sizes) {
     std::vector<SphereTree::Node> level;
-    for (const size_t s : expander.reduce(n)) level.push_back({candidates[s], find_parent(candidates[s], tree.levels.back())});
+    for (const size_t s : expander.reduce(n, may_use_fewer ? k_close_expansion : 0))
+      level.push_back({candidates[s], find_parent(candidates[s], tree.levels.back())});
     tree.levels.push_back(std::move(level));
   }
   return tree;
