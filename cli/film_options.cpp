@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "colour/spaces.h"
 
 namespace kelpie {
 
@@ -74,8 +75,8 @@ PixelBox apply_film_options(const RenderOptions& options, Film<AnimatedMode>& fi
 }
 
 std::string picture_hash(const Scene& scene, const PixelBox& window) {
-  return fmt::format("{}:{}x{}:{}spp:{},{},{},{}", scene.hash, scene.film.resolution.x, scene.film.resolution.y, scene.film.spp, window.x0,
-                     window.x1, window.y0, window.y1);
+  return fmt::format("{}:kelpie {}:ocio {}:{}x{}:{}spp:{},{},{},{}", scene.hash, KELPIE_VERSION, ocio_config_id(), scene.film.resolution.x,
+                     scene.film.resolution.y, scene.film.spp, window.x0, window.x1, window.y0, window.y1);
 }
 
 } // namespace kelpie

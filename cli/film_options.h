@@ -14,7 +14,8 @@ void add_film_options(CLI::App& command, RenderOptions& options);
 /// Throws Error usage.
 PixelBox apply_film_options(const RenderOptions& options, Film<AnimatedMode>& film);
 
-/// What a frame's header records: the scene and everything of the command line that its pixels depend on.
+/// What a frame's header records: the scene, kelpie's version, the OCIO config, and everything of the command
+/// line that pixels depend on. --skip-existing keeps a frame only where all of it is the same.
 std::string picture_hash(const Scene& scene, const PixelBox& window);
 
 } // namespace kelpie

@@ -49,8 +49,8 @@ std::string stem_of(const std::string& path) { return std::filesystem::path(path
 LiquidSceneOptions scene_options(const Options& o) {
   LiquidSceneOptions s;
   s.surface = o.surface;
-  if (!o.render.frames.empty()) {
-    const std::vector<int> frames = parse_frames(o.render.frames);
+  if (o.render.frames) {
+    const std::vector<int> frames = parse_frames(*o.render.frames);
     const auto [first, last] = std::minmax_element(frames.begin(), frames.end());
     const bool is_one = *first == *last;
     s.first = is_one ? std::min(*first, s.first) : *first;

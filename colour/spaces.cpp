@@ -94,4 +94,6 @@ std::optional<Chromaticities> scene_linear_chromaticities() {
   return {};
 }
 
+std::string ocio_config_id() { return colour::config_in_force()->getCacheID(); }
+
 } // namespace kelpie

@@ -25,6 +25,9 @@ inline constexpr const char* k_space_srgb = "sRGB";
 /// once, so that a bad one is reported before anything else: throws Error missing_input.
 void use_ocio_config(std::string path);
 
+/// What identifies the contents of the config in force: pictures of one scene under two configs differ.
+std::string ocio_config_id();
+
 /// `rgb` of the space or role (`color_picking`, `texture_paint`, `data`, "sRGB"…) as scene-linear.
 /// Throws Error bad_data for a name that is unknown, listing those that are known.
 Vec3 to_scene_linear(const Vec3& rgb, const std::string& space_or_role);
