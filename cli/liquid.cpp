@@ -76,6 +76,7 @@ void liquid(const Options& o) {
   const std::string name = stem_of(o.from) + "_to_" + stem_of(o.to);
   if (!o.save_scene.empty()) {
     write_liquid_scene(o.save_scene, from, to, options);
+    if (!o.render.output.empty()) render_scene(o.save_scene, name, o.render);
     return;
   }
   const TemporaryFolder folder;
@@ -102,7 +103,7 @@ void add_liquid(CLI::App& app) {
   command.add_option("--from-up", options->from_up, "the direction that is up in the first mesh")->check(is_axis)->capture_default_str();
   command.add_option("--to-up", options->to_up, "the direction that is up in the second mesh")->check(is_axis)->capture_default_str();
   command.add_option("--surface", options->surface, "what it is made of")->check(CLI::IsMember(surface_names()))->capture_default_str();
-  command.add_option("--save-scene", options->save_scene, "write the scene (and its clouds beside it) to edit, and render nothing");
+  command.add_option("--save-scene", options->save_scene, "write the scene to edit, and its clouds beside it; rendered as well only where -o says so");
   add_render_options(command, options->render);
   command.footer("Examples:\n"
                  "  kelpie liquid bunny.obj armadillo.obj -f 1-96 -o 'out/flow.####.exr'\n"

@@ -19,8 +19,8 @@ namespace {
 
 constexpr float k_size = 3, k_most_size_ratio = 1.5f;
 constexpr double k_fov = 30, k_pi = 3.14159265358979323846;
-/// From where one looks: a little from the right and from above.
-const Vec3d k_view = glm::normalize(Vec3d(0.35, 0.28, 1));
+/// From where one looks: a little from the right, and from so far above that the floor has no horizon.
+const Vec3d k_view = glm::normalize(Vec3d(0.35, 0.4, 1));
 constexpr double k_margin = 1.15;
 /// The share of the frames for which either end is held.
 constexpr double k_hold = 0.08;
@@ -105,14 +105,14 @@ void write_liquid_scene(const std::string& path, const BlobCloud& from, const Bl
   write_blob_cloud((folder / (stem + "_from.ply")).string(), from);
   write_blob_cloud((folder / (stem + "_to.ply")).string(), to);
   const View view = frame_morph(from, to, o.aspect);
-  const std::string look = o.surface == "metal" ? R"("kind": "metal", "roughness": 0.06)" : fmt::format(R"("kind": "{}")", o.surface);
+  const std::string look = o.surface == "metal" ? R"("kind": "metal", "roughness": 0.15)" : fmt::format(R"("kind": "{}")", o.surface);
   const std::string text = fmt::format(
       R"(// Made by kelpie liquid. `kelpie kinds liquid` explains the words.
 {{
   "kelpie": 1,
   "frames": {{ "first": {first}, "last": {last}, "fps": 24 }},
   "camera": {{ "position": [{px:.4f}, {py:.4f}, {pz:.4f}], "look_at": [{lx:.4f}, {ly:.4f}, {lz:.4f}], "fov": {fov} }},
-  "film": {{ "resolution": [1280, 720], "spp": 64, "bounces": 4 }},
+  "film": {{ "resolution": [1280, 720], "spp": 64, "bounces": 4, "background": [0.01, 0.01, 0.012] }},
   "lights": [
     {{ "kind": "environment", "preset": "studio" }}
   ],
@@ -132,7 +132,7 @@ void write_liquid_scene(const std::string& path, const BlobCloud& from, const Bl
     {{
       "name": "floor",
       "geometry": {{ "kind": "plane", "position": [0, 0, 0] }},
-      "surface": {{ "kind": "matte", "colour": [0.32, 0.33, 0.35] }}
+      "surface": {{ "kind": "metal", "colour": [0.03, 0.03, 0.035], "roughness": 0.5 }}
     }}
   ]
 }}
