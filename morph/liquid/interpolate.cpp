@@ -54,8 +54,9 @@ Blob LiquidMorph::interpolate(const Part& p, float u, float gain) const {
     return to_blob({lerp(a.sphere_radius, b.sphere_radius, u), lerp(a.stiffness, b.stiffness, u), lerp(a.weight, b.weight, u) * gain},
                    centre, p.from.falloff);
   }
-  // Radii and weights that moved linearly by themselves would multiply the mass of a part between a large and a small blob.
-  const float volume = lerp(cube(p.from.radius), cube(p.to.radius), u);
+  // Weights that moved linearly by themselves would multiply the mass of a part between a large and a small blob. The cube of the
+  // radius, moved linearly, stays large too long: thin limbs were spread out below the threshold.
+  const float volume = cube(lerp(p.from.radius, p.to.radius, u));
   return {centre, std::cbrt(volume), lerp(p.from.mass, p.to.mass, u) / volume * gain, p.from.falloff};
 }
 

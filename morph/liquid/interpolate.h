@@ -42,7 +42,7 @@ public:
 
   /// Appends the blobs at `progress` in [0, 1]: at 0 exactly `from`, at 1 exactly `to`, and the field
   /// changes continuously in between. Centres move linearly. With Correspondence::cellular so do the radius e, the
-  /// stiffness B and the weight w (blob_shape.h); with transport the cube of R and the mass W R^3 do. Under VolumeRule::linear all weights
+  /// stiffness B and the weight w (blob_shape.h); with transport the radius R and the mass W R^3 do. Under VolumeRule::linear all weights
   /// bear a common factor by which the volume where the sum exceeds 1 changes linearly.
   void append_blobs(float progress, BlobCloud& out) const;
 
