@@ -29,13 +29,15 @@ void check(const std::string& path, const RenderOptions& options) {
   const std::function<void(double)> silent = [](double) {};
   const Forecast f = forecast(scene, frames, window, {environments, diagnostics, silent, stop});
   print_warnings(diagnostics);
-  fmt::print("{}: good\n", path);
-  fmt::print("picture   {} frame{}, {}x{}, {} samples per pixel, {} bounces\n", frames.size(), frames.size() == 1 ? "" : "s",
-             scene.film.resolution.x, scene.film.resolution.y, scene.film.spp, scene.film.bounces);
-  fmt::print("shapes    {}, of up to {} elements in {} cells\n", scene.shapes.size(), f.elements, f.cells);
-  fmt::print("time      about {:.3g} s a frame on {} thread{} ({:.3g} s of CPU); {} in all\n", f.wall_s_per_frame, threads,
-             threads == 1 ? "" : "s", f.cpu_s_per_frame, format_duration(f.wall_s_per_frame * static_cast<double>(frames.size())));
-  fmt::print("memory    about {:.0f} MB\n", f.memory_mb);
+  std::string report = fmt::format("{}: good\n", path);
+  report += fmt::format("picture   {} frame{}, {}x{}, {} samples per pixel, {} bounces\n", frames.size(), frames.size() == 1 ? "" : "s",
+                        scene.film.resolution.x, scene.film.resolution.y, scene.film.spp, scene.film.bounces);
+  report += fmt::format("shapes    {}, of up to {} elements in {} cells\n", scene.shapes.size(), f.elements, f.cells);
+  report +=
+      fmt::format("time      about {:.3g} s a frame on {} thread{} ({:.3g} s of CPU); {} in all\n", f.wall_s_per_frame, threads,
+                  threads == 1 ? "" : "s", f.cpu_s_per_frame, format_duration(f.wall_s_per_frame * static_cast<double>(frames.size())));
+  report += fmt::format("memory    about {:.0f} MB\n", f.memory_mb);
+  print_result(report);
 }
 
 } // namespace

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -5,7 +6,9 @@
 #include <new>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "base/suggest.h"
 #include "cli/command.h"
 
 namespace kelpie {
@@ -23,6 +26,18 @@ namespace {
 
 int status(ExitStatus s) { return static_cast<int>(s); }
 
+/// CLI11 says no more of a mistyped command than that one is required.
+void check_command_is_known(const CLI::App& app, int argc, char** argv) {
+  std::vector<std::string_view> known;
+  for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
+  if (argc < 2)
+    throw Error(ExitStatus::usage, fmt::format("which command? One of {}; kelpie --help explains them", fmt::join(known, ", ")));
+  const std::string_view name = argv[1];
+  if (!name.empty() && name.front() == '-') return; // --help, --version: CLI11's
+  if (std::find(known.begin(), known.end(), name) == known.end())
+    throw Error(ExitStatus::usage, fmt::format("unknown command \"{}\"{}", name, suggestion(name, known)));
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"kelpie renders implicit surfaces: shapes that flow, blend and turn into one another."};
   app.set_version_flag("--version", "kelpie " KELPIE_VERSION);
@@ -31,6 +46,7 @@ int run(int argc, char** argv) {
   app.get_formatter()->column_width(34);
   for (const auto add : {KELPIE_COMMANDS}) add(app);
   try {
+    check_command_is_known(app, argc, argv);
     app.parse(argc, argv);
     return status(ExitStatus::ok);
   } catch (const CLI::CallForHelp& e) {

@@ -79,8 +79,10 @@ void make_movie(const MovieOptions& o) {
 
 void add_movie(CLI::App& app) {
   auto options = std::make_shared<MovieOptions>();
-  CLI::App* command = app.add_subcommand("movie", R"(Makes a movie of frames: developed through OpenColorIO, encoded as H.264 by ffmpeg.
+  CLI::App* command = app.add_subcommand("movie", "make a movie of frames (H.264)");
+  command->footer(R"(Makes a movie of frames: developed through OpenColorIO, encoded as H.264 by ffmpeg.
 
+Examples:
   kelpie movie 'out/drop.####.exr' -o drop.mp4
   kelpie movie 'out/drop.####.exr' -f 1-48,47-2 -o swing.mp4 --fps 24
 

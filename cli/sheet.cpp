@@ -72,8 +72,10 @@ void make_sheet(const SheetOptions& o) {
 
 void add_sheet(CLI::App& app) {
   auto options = std::make_shared<SheetOptions>();
-  CLI::App* command = app.add_subcommand("sheet", R"(Puts many frames on one page (PNG): a contact sheet.
+  CLI::App* command = app.add_subcommand("sheet", "put many frames on one page: a contact sheet (PNG)");
+  command->footer(R"(Puts many frames on one page (PNG): a contact sheet.
 
+Examples:
   kelpie sheet 'out/drop.####.exr' -o drop.png                 all frames there are
   kelpie sheet 'out/drop.####.exr' -f 1-96x8 -o drop.png       every eighth
   kelpie sheet a.exr b.exr c.exr -o compare.png --columns 3    any frames

@@ -22,8 +22,10 @@ void view(const ViewOptions& o) {
 
 void add_view(CLI::App& app) {
   auto options = std::make_shared<ViewOptions>();
-  CLI::App* command = app.add_subcommand("view", R"(Turns a frame (EXR) into a picture to look at (PNG), through OpenColorIO.
+  CLI::App* command = app.add_subcommand("view", "show a frame as a picture (PNG)");
+  command->footer(R"(Turns a frame (EXR) into a picture to look at (PNG), through OpenColorIO.
 
+Examples:
   kelpie view out/drop.0001.exr -o drop.png
   kelpie view out/drop.0001.exr -o depth.png --channel Z
 
