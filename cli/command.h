@@ -10,6 +10,12 @@
 
 namespace kelpie {
 
+/// Thrown by a command that a signal stopped: once everything is cleaned up, main() dies by the signal, so that
+/// shells and batch systems see what happened.
+struct Interrupted {
+  int signal;
+};
+
 void add_check(CLI::App&);
 void add_fit(CLI::App&);
 void add_kinds(CLI::App&);

@@ -79,6 +79,7 @@ void liquid(const Options& o) {
     if (!o.render.output.empty()) render_scene(o.save_scene, name, o.render);
     return;
   }
+  stop_gently_on_signals(); // or the folder would be left behind
   const TemporaryFolder folder;
   const std::string scene = folder.file("liquid.json");
   write_liquid_scene(scene, from, to, options);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/atomic_file.h"
 #include "base/suggest.h"
 #include "cli/command.h"
 
@@ -58,6 +59,11 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     fmt::print(stderr, "error: {}\n", e.what());
     return status(ExitStatus::usage);
+  } catch (const Interrupted& e) {
+    unlink_part_files();
+    std::signal(e.signal, SIG_DFL);
+    std::raise(e.signal);
+    return status(ExitStatus::internal); // not reached
   } catch (const Error& e) {
     for (const Problem& p : e.problems) fmt::print(stderr, "error: {}\n", to_string(p));
     return status(e.status);

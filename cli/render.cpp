@@ -35,19 +35,6 @@ void on_signal(int signal) {
   g_stop = true; // lock-free: allowed in a handler
 }
 
-void stop_at_tiles_on_signals() {
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, on_signal);
-}
-
-/// Dies by the signal that asked to stop, so that shells and batch systems see what happened.
-[[noreturn]] void die_by_signal() {
-  const int signal = g_signal;
-  unlink_part_files();
-  std::signal(signal, SIG_DFL);
-  std::raise(signal);
-  std::abort(); // not reached
-}
-
 std::vector<int> frames_to_render(const Scene& scene, const std::optional<std::string>& ranges) {
   return parse_frames(ranges.value_or(fmt::format("{}-{}", scene.frames.first, scene.frames.last)));
 }
@@ -74,7 +61,7 @@ public:
       progress_.advance(finished_ + std::min(1.0, before + tile) * 0.999);
     };
     RenderedFrame rendered = render_frame(scene_, frame, window_, {environments_, diagnostics, progress, g_stop});
-    if (rendered.was_stopped) die_by_signal();
+    if (rendered.was_stopped) throw Interrupted{g_signal};
     write(rendered, frame, path, key, diagnostics);
     for (const Problem& p : diagnostics.warnings()) progress_.print_line("warning: " + to_string(p));
     progress_.advance(++finished_, fmt::format("wrote {}", path));
@@ -107,6 +94,10 @@ private:
 
 } // namespace
 
+void stop_gently_on_signals() {
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, on_signal);
+}
+
 void add_render_options(CLI::App& command, RenderOptions& o) {
   command.add_option("-f,--frames", o.frames, "frames to render: 12, 1-96, 1-96x2 (every second), 1-48,96 [all of the scene]");
   command.add_option("-o,--output", o.output, "where they go, with a place for the frame number: 'out/name.####.exr' [NAME.####.exr]");
@@ -119,6 +110,7 @@ void add_render_options(CLI::App& command, RenderOptions& o) {
 }
 
 void render_scene(const std::string& scene_path, const std::string& name, const RenderOptions& options) {
+  stop_gently_on_signals();
   const unsigned threads = options.threads > 0 ? static_cast<unsigned>(options.threads) : std::thread::hardware_concurrency();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   use_ocio_config(options.ocio);
@@ -131,12 +123,11 @@ void render_scene(const std::string& scene_path, const std::string& name, const 
   const FramePattern pattern(options.output.empty() ? name + ".####.exr" : options.output);
   require_numbered(pattern, frames);
 
-  stop_at_tiles_on_signals();
   const std::string hash = picture_hash(scene, window);
   Progress progress(options.progress, static_cast<double>(frames.size()), "frames");
   SequenceRenderer sequence(std::move(scene), pattern, window, hash, progress);
   for (const int frame : frames) {
-    if (g_stop) die_by_signal();
+    if (g_stop) throw Interrupted{g_signal};
     sequence.render(frame, options.skip_existing);
   }
   if (!options.stats.empty()) write_render_stats(options.stats, threads, sequence.reports());
