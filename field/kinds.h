@@ -6,8 +6,11 @@
 #include "field/operators/difference.h"
 #include "field/operators/intersection.h"
 #include "field/operators/union.h"
+#include "field/skeletons/cone_sphere.h"
+#include "field/skeletons/disc.h"
 #include "field/skeletons/point.h"
 #include "field/skeletons/segment.h"
+#include "field/skeletons/torus.h"
 #include "field/warps/affine.h"
 
 namespace kelpie {
@@ -15,6 +18,9 @@ namespace kelpie {
 using FieldFolderKinds = KindList< //
     Point,                         //
     Segment,                       //
+    ConeSphere,                    //
+    Disc,                          //
+    Torus,                         //
     Blobs,                         //
     Blend,                         //
     Union,                         //

@@ -21,13 +21,11 @@ struct Reserved {
 inline constexpr std::array k_reserved{
     Reserved{ReservedAs::kind, "field", "circle"},
     Reserved{ReservedAs::kind, "field", "arc"},
-    Reserved{ReservedAs::kind, "field", "disc"},
     Reserved{ReservedAs::kind, "field", "triangle"},
     Reserved{ReservedAs::kind, "field", "rectangle"},
     Reserved{ReservedAs::kind, "field", "box"},
     Reserved{ReservedAs::kind, "field", "cylinder"},
     Reserved{ReservedAs::kind, "field", "cone"},
-    Reserved{ReservedAs::kind, "field", "torus"},
     Reserved{ReservedAs::kind, "field", "tetrahedron"},
     Reserved{ReservedAs::kind, "field", "prism"},
     Reserved{ReservedAs::kind, "field", "polyhedron"},

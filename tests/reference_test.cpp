@@ -34,7 +34,8 @@ NodePtr make(std::vector<Leaf> leaves) {
 }
 
 Leaf random_leaf(Random& r) {
-  Leaf leaf{r.point(1), {}, r.uniform(0.3, 1.2), r.uniform(-1, 2.5), static_cast<Falloff>(r.below(3))};
+  Leaf leaf{
+      .a = r.point(1), .b = {}, .radius = r.uniform(0.3, 1.2), .weight = r.uniform(-1, 2.5), .falloff = static_cast<Falloff>(r.below(3))};
   const int form = r.below(4); // a point, a short segment, a long one, one along an axis of coordinates
   leaf.b = form == 0 ? leaf.a : form == 1 ? leaf.a + r.point(0.01) : form == 2 ? r.point(1) : leaf.a + Vec{0, 0, 0.7};
   return leaf;
@@ -110,9 +111,66 @@ TEST(Reference, SpansAgreeWithDenseMarching) {
   }
 }
 
+/// Any shape of leaf.
+Leaf random_solid(Random& r) {
+  Leaf leaf = random_leaf(r);
+  leaf.shape = static_cast<Leaf::Shape>(r.below(4));
+  leaf.r = r.uniform(0, 0.5), leaf.s = r.uniform(0, 0.5), leaf.normal = r.point(1);
+  return leaf;
+}
+
+/// The distance is that to the nearest of many points of the solid.
+TEST(Reference, DistancesAreThoseToTheNearestPoint) {
+  for (int trial = 0; trial < 40; ++trial) {
+    Random r(trial);
+    const Leaf leaf = random_solid(r);
+    if (leaf.shape == Leaf::Shape::torus && leaf.r == 0) continue;
+    const Vec p = r.point(2), n = leaf.normal * (1 / length(leaf.normal));
+    double nearest = k_infinity;
+    for (int i = 0; i < 40000; ++i) {
+      Vec q = r.point(1), c = leaf.a;
+      double within = leaf.r;
+      if (leaf.shape == Leaf::Shape::segment || leaf.shape == Leaf::Shape::cone_sphere) {
+        const double s = r.uniform(0, 1);
+        c = leaf.a * (1 - s) + leaf.b * s;
+        within = leaf.shape == Leaf::Shape::segment ? 0 : leaf.r * (1 - s) + leaf.s * s;
+      } else {
+        Vec across = q - n * dot(q, n);
+        across = across * (leaf.r / length(across));
+        c = leaf.a + across * (leaf.shape == Leaf::Shape::disc ? std::sqrt(r.uniform(0, 1)) : 1.0);
+        within = leaf.shape == Leaf::Shape::disc ? 0 : leaf.s;
+      }
+      nearest = std::min(nearest, std::max(0.0, length(p - c) - within));
+    }
+    EXPECT_LE(distance(leaf, p), nearest + 1e-9);
+    EXPECT_NEAR(distance(leaf, p), nearest, 0.02) << "trial " << trial;
+  }
+}
+
+TEST(Reference, InterpolatedSpansAgreeWithDenseMarching) {
+  constexpr int k_steps = 20000;
+  for (int trial = 0; trial < 100; ++trial) {
+    Random r(2000 + trial);
+    std::vector<NodePtr> children;
+    for (int i = 0; i < 3; ++i) children.push_back(make({random_solid(r), random_solid(r)}));
+    const NodePtr tree = make(static_cast<Node::Kind>(1 + trial % 4), children);
+    const Ray ray = random_ray(r);
+    const std::vector<Span> spans = above(along_ray(*tree, ray, 0, 14, 1), 1);
+    size_t next = 0;
+    for (int i = 0; i <= k_steps; ++i) {
+      const double t = 14.0 * i / k_steps, f = value(*tree, ray.at(t), 1);
+      while (next < spans.size() && spans[next].to < t) ++next;
+      const bool inside = next < spans.size() && spans[next].from <= t;
+      if (std::abs(f - 1) > 1e-5) {
+        ASSERT_EQ(inside, f > 1) << "trial " << trial << ", t " << t;
+      }
+    }
+  }
+}
+
 // A lone quartic blob of weight 2 is a sphere of radius R sqrt(1 - sqrt(1/2)) (threshold 1).
 TEST(Reference, JudgesAnswersOnASphere) {
-  const NodePtr blob = make({Leaf{{0, 0, 0}, {0, 0, 0}, 1, 2, Falloff::quartic}});
+  const NodePtr blob = make({Leaf{.a = {}, .b = {}, .radius = 1, .weight = 2}});
   const double radius = std::sqrt(1 - std::sqrt(0.5));
   const Profile through = along_ray(*blob, {{-3, 0, 0}, {1, 0, 0}}, 0, 6, 1);
   EXPECT_EQ(judge(through, 1, 2, 3 - radius), Verdict::right);
@@ -133,7 +191,7 @@ TEST(Reference, JudgesAnswersOnASphere) {
 // A drop of ten times the tolerated length, in a scene twenty thousand times its size.
 TEST(Reference, SeesWhatIsThin) {
   const double radius = 1e-4;
-  const NodePtr drop = make({Leaf{{0, 0, 0}, {0, 0, 0}, radius, 4, Falloff::quartic}});
+  const NodePtr drop = make({Leaf{.a = {}, .b = {}, .radius = radius, .weight = 4}});
   const Profile profile = along_ray(*drop, {{-3, 0, 0}, {1, 0, 0}}, 0, 6, 1);
   EXPECT_EQ(judge(profile, 1, 2, k_infinity), Verdict::missed);
   const std::vector<Span> spans = above(profile, 1);

@@ -4,6 +4,8 @@
 #include <limits>
 #include <optional>
 
+#include "tests/reference/interpolate.h"
+
 namespace reference {
 
 namespace {
@@ -182,20 +184,30 @@ void for_signs(const Piece& piece, double level, Visit&& visit) {
   }
 }
 
-} // namespace
+bool is_piecewise_polynomial(const Node& node) {
+  return std::all_of(node.leaves.begin(), node.leaves.end(), [](const Leaf& leaf) { return leaf.shape == Leaf::Shape::segment; }) &&
+         std::all_of(node.children.begin(), node.children.end(), [](const NodePtr& child) { return is_piecewise_polynomial(*child); });
+}
 
-Profile along_ray(const Node& node, const Ray& ray, double t_from, double t_to, double threshold) {
+Profile exact_along_ray(const Node& node, const Ray& ray, double t_from, double t_to, double threshold) {
   if (node.kind == Node::Kind::leaves) return sum_of_leaves(node.leaves, ray, {t_from, t_to});
   if (node.kind == Node::Kind::warp) {
     const Ray inner{node.child_from_parent.point(ray.origin), node.child_from_parent.direction(ray.direction)};
-    return along_ray(*node.children[0], inner, t_from, t_to, threshold);
+    return exact_along_ray(*node.children[0], inner, t_from, t_to, threshold);
   }
-  Profile f = along_ray(*node.children[0], ray, t_from, t_to, threshold);
+  Profile f = exact_along_ray(*node.children[0], ray, t_from, t_to, threshold);
   const Profile twice_threshold{{t_from, t_to, constant(2 * threshold)}};
   for (size_t i = 1; i < node.children.size(); ++i)
-    f = join(node.kind, f, along_ray(*node.children[i], ray, t_from, t_to, threshold), twice_threshold);
+    f = join(node.kind, f, exact_along_ray(*node.children[i], ray, t_from, t_to, threshold), twice_threshold);
   if (node.kind == Node::Kind::subtract) f = most(f, {{t_from, t_to, constant(0)}});
   return f;
+}
+
+} // namespace
+
+Profile along_ray(const Node& node, const Ray& ray, double t_from, double t_to, double threshold) {
+  return is_piecewise_polynomial(node) ? exact_along_ray(node, ray, t_from, t_to, threshold)
+                                       : interpolated_along_ray(node, ray, t_from, t_to, threshold);
 }
 
 double value(const Profile& profile, double t) {

@@ -21,7 +21,8 @@ struct Piece {
 /// Contiguous pieces, in order.
 using Profile = std::vector<Piece>;
 
-/// The field on [t_from, t_to] of the ray.
+/// The field on [t_from, t_to] of the ray. Exact as said above for points and segments under the operators
+/// and warps that keep polynomials; any other field by interpolation (tests/reference/interpolate.h).
 Profile along_ray(const Node&, const Ray&, double t_from, double t_to, double threshold);
 
 double value(const Profile&, double t);

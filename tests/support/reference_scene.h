@@ -14,7 +14,42 @@ inline reference::Falloff reference_of(Falloff f) {
   return f == Falloff::quartic ? reference::Falloff::quartic : f == Falloff::cubic ? reference::Falloff::cubic : reference::Falloff::wyvill;
 }
 inline reference::Leaf reference_of(const Blob& b) {
-  return {reference_of(b.centre), reference_of(b.centre), b.radius, b.weight, reference_of(b.falloff)};
+  return {
+      .a = reference_of(b.centre), .b = reference_of(b.centre), .radius = b.radius, .weight = b.weight, .falloff = reference_of(b.falloff)};
+}
+inline reference::Leaf reference_of(const Segment<SampledMode>& k) {
+  return {.a = reference_of(k.from), .b = reference_of(k.to), .radius = k.radius, .weight = k.weight, .falloff = reference_of(k.falloff)};
+}
+inline reference::Leaf reference_of(const ConeSphere<SampledMode>& k) {
+  return {.a = reference_of(k.from),
+          .b = reference_of(k.to),
+          .radius = k.radius,
+          .weight = k.weight,
+          .falloff = reference_of(k.falloff),
+          .shape = reference::Leaf::Shape::cone_sphere,
+          .r = k.from_radius,
+          .s = k.to_radius};
+}
+inline reference::Leaf reference_of(const Disc<SampledMode>& k) {
+  return {.a = reference_of(k.centre),
+          .b = reference_of(k.centre),
+          .radius = k.radius,
+          .weight = k.weight,
+          .falloff = reference_of(k.falloff),
+          .shape = reference::Leaf::Shape::disc,
+          .r = k.disc_radius,
+          .normal = reference_of(k.normal)};
+}
+inline reference::Leaf reference_of(const Torus<SampledMode>& k) {
+  return {.a = reference_of(k.centre),
+          .b = reference_of(k.centre),
+          .radius = k.radius,
+          .weight = k.weight,
+          .falloff = reference_of(k.falloff),
+          .shape = reference::Leaf::Shape::torus,
+          .r = k.major_radius,
+          .s = k.minor_radius,
+          .normal = reference_of(k.normal)};
 }
 
 /// Rodrigues' formula for the opposite angle, row by row.
@@ -51,8 +86,8 @@ inline reference::NodePtr reference_of(const SampledField& field, unsigned node)
           BlobCloud cloud;
           k.append_blobs(cloud);
           for (const Blob& b : cloud) out->leaves.push_back(reference_of(b));
-        } else if constexpr (std::is_same_v<S, Segment<SampledMode>>) {
-          out->leaves = {{reference_of(k.from), reference_of(k.to), k.radius, k.weight, reference_of(k.falloff)}};
+        } else if constexpr (Skeleton<S>) {
+          out->leaves = {reference_of(k)};
         } else if constexpr (AffineWarp<S>) {
           out->kind = Kind::warp, out->child_from_parent = reference_inverse(k), out->children = {reference_of(field, k.child)};
         } else if constexpr (Operator<S>) {

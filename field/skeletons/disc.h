@@ -1,0 +1,54 @@
+#pragma once
+
+#include "field/falloff.h"
+#include "field/skeletons/frame.h"
+
+namespace kelpie {
+
+template <class Mode>
+struct Disc {
+  static constexpr std::string_view k_name = "disc";
+  static constexpr std::string_view k_doc = R"(The potential around a flat, round disc: a cushion with a soft rim.
+
+    f(p) = weight * falloff(d(p)^2 / radius^2),   d the Euclidean distance to the disc
+
+With h the height above the disc's plane and r the distance from its axis, d^2 = h^2 + max(0, r - disc_radius)^2.
+The distance is exact. `disc_radius` 0 makes it a `point`. Source: methods.md section 2, skeletons.)";
+
+  Value<Mode, Vec3> centre{Vec3(0)};
+  Value<Mode, Vec3> normal{Vec3(0, 1, 0)};
+  Value<Mode, float> disc_radius{1.f};
+  Value<Mode, float> radius{1.f};
+  Value<Mode, float> weight{1.f};
+  Falloff falloff = Falloff::quartic;
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("centre", &Disc::centre, "the disc's centre").in(Unit::length).required(),
+        parameter("normal", &Disc::normal, "perpendicular to the disc; need not be a unit vector").nonzero(),
+        parameter("disc_radius", &Disc::disc_radius, "the radius of the disc itself").in(Unit::length).at_least(0).required(),
+        parameter("radius", &Disc::radius, "radius of influence: the potential is 0 beyond it").in(Unit::length).above(0).required(),
+        parameter("weight", &Disc::weight, "the potential on the disc; negative carves"),
+        parameter("falloff", &Disc::falloff, "how the potential decreases"),
+    };
+  }
+
+  // Sampled:
+
+  Box3 support() const {
+    const AxisFrame frame{Vec3d(centre), Vec3d(normal)};
+    const Vec3d reach = double(disc_radius) * glm::sqrt(glm::max(Vec3d(0), 1.0 - frame.e * frame.e)) + double(radius);
+    return rounded_outward({Vec3d(centre) - reach, Vec3d(centre) + reach});
+  }
+
+  template <class Real>
+  Real potential(const Point3<Real>& p) const {
+    const AxisFrame frame{Vec3d(centre), Vec3d(normal)};
+    const Point3<Real> q = frame.local(p);
+    const Real beyond_rim = max(Real(0.0), norm(q.x, q.y) - Real(double(disc_radius)));
+    const Real d2 = square(q.z) + square(beyond_rim);
+    return double(weight) * kelpie::falloff(falloff, d2 * (1 / square(double(radius))));
+  }
+};
+
+} // namespace kelpie

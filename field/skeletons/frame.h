@@ -1,0 +1,77 @@
+// What skeletons with an axis share: coordinates along and across it, and lengths that every number type
+// can differentiate.
+#pragma once
+
+#include <cmath>
+
+#include "base/box.h"
+#include "base/dual.h"
+#include "base/vec.h"
+
+namespace kelpie {
+
+/// Orthonormal coordinates about a place: two across and one along an axis. Each is a linear form of the
+/// point in which every coordinate stands once, so its range over a box is exact.
+struct AxisFrame {
+  Vec3d origin, u, v, e;
+
+  /// `axis` need not be a unit vector; the zero vector (an animated axis on its way) stands for y.
+  AxisFrame(const Vec3d& origin_, const Vec3d& axis) : origin(origin_) {
+    const double length = glm::length(axis);
+    e = length > 0 ? axis / length : Vec3d(0, 1, 0);
+    // Two perpendicular vectors without a branch that an animation could see: the sign only keeps 1 + |e.z| off 0.
+    const double sign = std::copysign(1.0, e.z), a = -1 / (sign + e.z), b = e.x * e.y * a;
+    u = {1 + sign * e.x * e.x * a, sign * b, -sign * e.x};
+    v = {b, sign + e.y * e.y * a, -e.y};
+  }
+
+  template <class Real>
+  static Real along(const Vec3d& direction, const Point3<Real>& p) {
+    return direction.x * p.x + direction.y * p.y + direction.z * p.z;
+  }
+  template <class Real>
+  Point3<Real> relative(const Point3<Real>& p) const {
+    return {p.x - Real(origin.x), p.y - Real(origin.y), p.z - Real(origin.z)};
+  }
+  /// (u, v, e) coordinates of p.
+  template <class Real>
+  Point3<Real> local(const Point3<Real>& p) const {
+    const Point3<Real> q = relative(p);
+    return {along(u, q), along(v, q), along(e, q)};
+  }
+};
+
+/// In float, with nothing of the box lost to rounding.
+inline Box3 rounded_outward(const Box3d& b) {
+  const Vec3d size = glm::max(glm::abs(b.lower), glm::abs(b.upper));
+  return {Vec3(b.lower - 3e-7 * size), Vec3(b.upper + 3e-7 * size)};
+}
+
+// The length of the vector (a, b). Its derivative by a is a / length, the cosine of an angle, which stays
+// within [-1, 1] where the chain rule through sqrt would leave nothing.
+
+inline double norm(double a, double b) { return std::sqrt(a * a + b * b); }
+inline Interval norm(Interval a, Interval b) { return sqrt(square(a) + square(b)); }
+
+/// a / |(a, b)|; 0 at the origin, where there is none.
+inline double cosine(double a, double b) {
+  const double length = norm(a, b);
+  return length > 0 ? a / length : 0;
+}
+/// Exact: the cosine rises with a, and tends to 0 as |b| grows.
+inline Interval cosine(Interval a, Interval b) {
+  const double near = b.lo <= 0 && b.hi >= 0 ? 0 : std::min(std::abs(b.lo), std::abs(b.hi)), far = b.magnitude();
+  if (near == 0 && a.lo <= 0 && a.hi >= 0) return {a.lo < 0 || far == 0 ? -1.0 : 0.0, a.hi > 0 || far == 0 ? 1.0 : 0.0};
+  return {cosine(a.lo, a.lo < 0 ? near : far), cosine(a.hi, a.hi > 0 ? near : far)};
+}
+
+template <class T, int N>
+Dual<T, N> norm(const Dual<T, N>& a, const Dual<T, N>& b) {
+  Dual<T, N> r;
+  r.value = norm(a.value, b.value);
+  const T by_a = cosine(a.value, b.value), by_b = cosine(b.value, a.value);
+  for (int i = 0; i < N; ++i) r.d[i] = by_a * a.d[i] + by_b * b.d[i];
+  return r;
+}
+
+} // namespace kelpie
