@@ -1,0 +1,106 @@
+// What the program says to wrong input: one line a problem, with its position where the fault lies in text,
+// the documented exit status, and nothing under the final name.
+#include <algorithm>
+
+#include "tests/support/program.h"
+
+namespace kelpie {
+namespace {
+
+constexpr const char* k_good = R"({ "kelpie": 1, "film": { "resolution": [16, 16], "spp": 1 },
+  "shapes": [ { "name": "ball", "field": { "kind": "point", "centre": [0, 0, 0], "radius": 1, "weight": 2 } } ] })";
+
+/// A tetrahedron, its faces outward.
+constexpr const char* k_tetrahedron = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+
+class WrongInput : public ProgramTest {
+protected:
+  /// Runs with `arguments`; expects this status, exactly this on stderr, and no file besides those there were.
+  void expect(const std::string& arguments, int status, const std::string& err) {
+    const size_t files = file_count();
+    const Outcome o = kelpie(arguments);
+    EXPECT_EQ(o.status, status) << arguments << "\n" << o.err;
+    EXPECT_EQ(o.err, err) << arguments;
+    EXPECT_EQ(o.out, "") << arguments;
+    EXPECT_EQ(file_count(), files) << arguments << " left something";
+  }
+  /// The same of a scene that is wrong.
+  void expect_scene(const std::string& scene, int status, const std::string& err) {
+    write("scene.json", scene);
+    expect("render scene.json -o 'a.####.exr'", status, err);
+    expect("check scene.json", status, err);
+  }
+};
+
+TEST_F(WrongInput, Scenes) {
+  expect_scene(R"({ "kelpie": 1, "shapes": [] })", 65, "error: scene.json:1:26: shapes may not be empty\n");
+  expect_scene(R"({ "kelpie": 1, "shapes": [ { "name": "a", "texture": { "kind": "marble" },
+  "field": { "kind": "point", "centre": [0, 0, 0], "radius": 1 } } ] })",
+               65, "error: scene.json:1:43: \"texture\" is known but not built yet\n");
+  expect_scene(R"({ "kelpie": 1, "shapes": [ { "name": "a", "field": { "kind": "blobs", "file": "none.ply" } } ] })", 66,
+               "error: scene.json:1:79: file: \"none.ply\" does not exist (" + path("none.ply") + ")\n");
+  expect_scene("{ \"kelpie\": 1,\n  \"shapes\": [ }\n", 65, "error: scene.json:2:15: expected a value\n");
+}
+
+TEST_F(WrongInput, FramesAndOutputs) {
+  write("scene.json", k_good);
+  const std::string hint = "; write 12, 1-100, 1-100x2 or a list of these: 1-96x2,100\n";
+  expect("render scene.json -f '' -o a.exr", 2, "error: frames \"\": there are none" + hint);
+  expect("render scene.json -f 1-3 -o a.exr", 2,
+         "error: 3 frames cannot all be written to a.exr; put #### where the frame number belongs, as in name.####.exr\n");
+  expect("render scene.json -o scene.json/a.exr", 74, "error: scene.json/a.exr: scene.json is a file, not a folder\n");
+  expect("render scene.json --res 0x5 -o a.exr", 2,
+         "error: --res 0x5: expected WIDTHxHEIGHT (up to 65536) or a percentage, as in 1280x720 or 50%\n");
+  expect("render scene.json --crop 20,30,0,5 -o a.exr", 2, "error: --crop 20,30,0,5: no pixel of the 16x16 picture is in it\n");
+  expect("rendr scene.json", 2, "error: unknown command \"rendr\" (did you mean \"render\"?)\n");
+}
+
+TEST_F(WrongInput, Meshes) {
+  write("cut.off", std::string(k_tetrahedron).substr(0, 20));
+  write("good.off", k_tetrahedron);
+  for (const std::string command :
+       {"fit cut.off -o a.ply", "liquid cut.off good.off -o 'a.####.exr'", "liquid good.off cut.off --save-scene s.json"}) {
+    const size_t files = file_count();
+    const Outcome o = kelpie(command + " --no-cache --blobs 20");
+    EXPECT_EQ(o.status, 65) << command;
+    EXPECT_NE(o.err.find("error: cut.off:"), std::string::npos) << o.err;
+    EXPECT_EQ(file_count(), files) << command;
+  }
+  expect("fit none.obj -o a.ply", 66, "error: none.obj: cannot read: No such file or directory\n");
+}
+
+// A mesh that can be mended is used, with a warning that says what was done.
+TEST_F(WrongInput, AMeshThatCanBeMendedIsUsed) {
+  std::string inward = k_tetrahedron;
+  for (const auto& [from, to] : {std::pair{"3 0 2 1", "3 0 1 2"}, {"3 0 1 3", "3 0 3 1"}, {"3 0 3 2", "3 0 2 3"}, {"3 1 2 3", "3 1 3 2"}})
+    inward.replace(inward.find(from), 7, to);
+  write("inward.off", inward);
+  const Outcome o = kelpie("fit inward.off -o a.ply --no-cache --blobs 20");
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_NE(o.err.find("warning: inward.off: "), std::string::npos) << o.err;
+  EXPECT_TRUE(std::filesystem::exists(path("a.ply")));
+}
+
+TEST_F(WrongInput, ColourConfigsAreNeverReplaced) {
+  write("scene.json", k_good);
+  const size_t files = file_count();
+  EXPECT_EQ(kelpie("render scene.json --ocio none.ocio -o a.exr").status, 66);
+  setenv("OCIO", "/none.ocio", 1);
+  EXPECT_EQ(kelpie("render scene.json -o a.exr").status, 66);
+  unsetenv("OCIO");
+  EXPECT_EQ(file_count(), files);
+}
+
+// A signal ends the process by that signal, and neither a part file nor a temporary folder is left.
+TEST_F(WrongInput, ASignalLeavesNothingHalfWritten) {
+  write("scene.json", k_good);
+  const size_t files = file_count();
+  const std::string command = "cd '" + folder_.string() +
+                              "' && timeout --foreground -s TERM 1 '" KELPIE_PROGRAM
+                              "' render scene.json --res 2048x2048 --spp 4096 -o a.exr --progress=none; test $? = 124";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  EXPECT_EQ(file_count(), files);
+}
+
+} // namespace
+} // namespace kelpie
