@@ -79,13 +79,14 @@ void build_tracer(benchmark::State& state) {
 }
 BENCHMARK(build_tracer)->Arg(1000)->Arg(10000)->Arg(100000)->Unit(benchmark::kMillisecond);
 
-/// One ray through each pixel of 640 x 360.
+/// One ray through each pixel of 640 x 360, by squares of 4 x 4: 16 rays are a packet.
 std::vector<Ray> camera_rays(const FrameScene& scene) {
   const Vec2i resolution(640, 360);
   const CameraRays camera(scene.camera, resolution);
   std::vector<Ray> rays;
-  for (int y = 0; y < resolution.y; ++y)
-    for (int x = 0; x < resolution.x; ++x) rays.push_back(camera.through(Vec2(x, y) + 0.5f, Vec2(0)));
+  for (int y = 0; y < resolution.y; y += 4)
+    for (int x = 0; x < resolution.x; x += 4)
+      for (int i = 0; i < 16; ++i) rays.push_back(camera.through(Vec2(x + i % 4, y + i / 4) + 0.5f, Vec2(0)));
   return rays;
 }
 
@@ -139,15 +140,49 @@ void trace_shadow_rays(benchmark::State& state) {
 }
 BENCHMARK(trace_shadow_rays)->Arg(1000)->Arg(10000)->Arg(100000)->Unit(benchmark::kMillisecond);
 
+std::span<const Ray> packet(const std::vector<Ray>& rays, size_t first) {
+  return std::span(rays).subspan(first, std::min(k_packet, rays.size() - first));
+}
+
+void trace_camera_packets(benchmark::State& state) {
+  const int count = static_cast<int>(state.range(0));
+  const Tracer& tracer = tracer_of(count);
+  const std::vector<Ray> rays = camera_rays(scene_of(count));
+  SolveCounters counters;
+  for (auto _ : state)
+    for (size_t i = 0; i < rays.size(); i += k_packet) {
+      std::array<Hit, k_packet> hits;
+      benchmark::DoNotOptimize(tracer.intersect(packet(rays, i), counters, hits.data()));
+    }
+  count_rays(state, rays.size(), counters);
+}
+BENCHMARK(trace_camera_packets)->Arg(1000)->Arg(10000)->Arg(100000)->Unit(benchmark::kMillisecond);
+
+void trace_shadow_packets(benchmark::State& state) {
+  const int count = static_cast<int>(state.range(0));
+  const Tracer& tracer = tracer_of(count);
+  const Vec3 sun = glm::normalize(Vec3(1, 2, 1));
+  const std::vector<Ray> rays = secondary_rays(scene_of(count), tracer, [&](const Vec3&) { return sun; });
+  SolveCounters counters;
+  for (auto _ : state)
+    for (size_t i = 0; i < rays.size(); i += k_packet) benchmark::DoNotOptimize(tracer.occluded(packet(rays, i), counters));
+  count_rays(state, rays.size(), counters);
+}
+BENCHMARK(trace_shadow_packets)->Arg(1000)->Arg(10000)->Arg(100000)->Unit(benchmark::kMillisecond);
+
 /// Directions as diffuse bounces have them: neighbours part at once.
+std::vector<Ray> scattered_rays(int count) {
+  std::mt19937 random(1);
+  std::normal_distribution<float> normal;
+  return secondary_rays(scene_of(count), tracer_of(count), [&](const Vec3& n) {
+    return glm::normalize(n + 0.999f * glm::normalize(Vec3(normal(random), normal(random), normal(random))));
+  });
+}
+
 void trace_scattered_rays(benchmark::State& state) {
   const int count = static_cast<int>(state.range(0));
   const Tracer& tracer = tracer_of(count);
-  std::mt19937 random(1);
-  std::normal_distribution<float> normal;
-  const std::vector<Ray> rays = secondary_rays(scene_of(count), tracer, [&](const Vec3& n) {
-    return glm::normalize(n + 0.999f * glm::normalize(Vec3(normal(random), normal(random), normal(random))));
-  });
+  const std::vector<Ray> rays = scattered_rays(count);
   SolveCounters counters;
   for (auto _ : state)
     for (const Ray& ray : rays) {
@@ -157,6 +192,29 @@ void trace_scattered_rays(benchmark::State& state) {
   count_rays(state, rays.size(), counters);
 }
 BENCHMARK(trace_scattered_rays)->Arg(1000)->Arg(10000)->Arg(100000)->Unit(benchmark::kMillisecond);
+
+/// Shadow rays to an environment: as the above, but any hit will do. In packets and alone.
+void trace_scattered_shadows(benchmark::State& state) {
+  const int count = static_cast<int>(state.range(0));
+  const Tracer& tracer = tracer_of(count);
+  const std::vector<Ray> rays = scattered_rays(count);
+  SolveCounters counters;
+  for (auto _ : state)
+    for (const Ray& ray : rays) benchmark::DoNotOptimize(tracer.occluded(ray, counters));
+  count_rays(state, rays.size(), counters);
+}
+BENCHMARK(trace_scattered_shadows)->Arg(10000)->Unit(benchmark::kMillisecond);
+
+void trace_scattered_shadow_packets(benchmark::State& state) {
+  const int count = static_cast<int>(state.range(0));
+  const Tracer& tracer = tracer_of(count);
+  const std::vector<Ray> rays = scattered_rays(count);
+  SolveCounters counters;
+  for (auto _ : state)
+    for (size_t i = 0; i < rays.size(); i += k_packet) benchmark::DoNotOptimize(tracer.occluded(packet(rays, i), counters));
+  count_rays(state, rays.size(), counters);
+}
+BENCHMARK(trace_scattered_shadow_packets)->Arg(10000)->Unit(benchmark::kMillisecond);
 
 } // namespace
 } // namespace kelpie

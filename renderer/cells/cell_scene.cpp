@@ -1,6 +1,9 @@
 #include "renderer/cells/cell_scene.h"
 
+#include <algorithm>
+#include <array>
 #include <atomic>
+#include <bit>
 #include <new>
 #include <stdexcept>
 
@@ -33,62 +36,109 @@ namespace {
 /// What a query passes to the callbacks behind Embree's own context.
 struct Query {
   RTCIntersectContext embree; // first, so that Embree's pointer to it is a pointer to this
-  const Ray* ray;
+  const Ray* rays;            ///< by RTCRay::id
+  bool any_inside;            ///< whether one of them starts inside a shape
   SolveCounters* counters;
 };
 
 void cell_bounds(const RTCBoundsFunctionArguments* args) {
   const Box3& box = static_cast<const ShapeCells*>(args->geometryUserPtr)->cells[args->primID].box;
+  // A hair wider: where Embree does not look, clip() must not either, in or out of a packet.
+  const Vec3 pad = 1e-6f * glm::max(glm::abs(box.lower), glm::abs(box.upper)) + 1e-12f;
   RTCBounds& out = *args->bounds_o;
-  out.lower_x = box.lower.x, out.lower_y = box.lower.y, out.lower_z = box.lower.z;
-  out.upper_x = box.upper.x, out.upper_y = box.upper.y, out.upper_z = box.upper.z;
+  out.lower_x = box.lower.x - pad.x, out.lower_y = box.lower.y - pad.y, out.lower_z = box.lower.z - pad.z;
+  out.upper_x = box.upper.x + pad.x, out.upper_y = box.upper.y + pad.y, out.upper_z = box.upper.z + pad.z;
 }
 
-/// The part of the ray in the cell, padded so that no wall between two cells is a gap; false if there is none.
-/// The pad is small enough that the cell's list of elements is still whole (the builder keeps the same margin).
-bool clip(const Ray& ray, float t_far, const Box3& box, bool from_inside, RaySegment& out) {
-  const Vec3 inverse = 1.f / ray.direction;
-  const Vec3 a = (box.lower - ray.origin) * inverse, b = (box.upper - ray.origin) * inverse;
-  float t0 = ray.t_near, t1 = t_far;
-  for (int i = 0; i < 3; ++i) { // written so that NaN (0 * inf: the ray runs in the wall) leaves the bounds as they are
-    const float near = a[i] < b[i] ? a[i] : b[i], far = a[i] < b[i] ? b[i] : a[i];
-    t0 = near > t0 ? near : t0;
-    t1 = far < t1 ? far : t1;
-  }
-  const float pad = 1e-6f * (1 + std::abs(t1));
-  t0 = std::max(t0 - pad, ray.t_near), t1 = std::min(t1 + pad, t_far);
-  if (!(t0 <= t1)) return false;
-  out = {ray.origin, ray.direction, t0, t1, from_inside};
-  return true;
-}
-
-/// Solves one cell; on a hit shortens the ray, so that farther cells are culled.
-bool meet(const ShapeCells& shape, unsigned shape_index, unsigned cell_index, const Query& query, float t_far, float& t) {
+/// Solves one cell for one ray.
+bool meet(const ShapeCells& shape, unsigned shape_index, unsigned cell_index, const Ray& ray, float t_far, SolveCounters& counters,
+          float& t) {
   const Cell& cell = shape.cells[cell_index];
   RaySegment segment;
-  const bool from_inside = query.ray->inside == static_cast<int>(shape_index);
-  return clip(*query.ray, t_far, cell.box, from_inside, segment) && solve(shape, cell, segment, *query.counters, t) && t <= t_far;
+  const bool from_inside = ray.inside == static_cast<int>(shape_index);
+  if (!clip(cell, ray, from_inside, segment) || segment.entry > t_far || !solve(shape, cell, segment, counters, t)) return false;
+  t = std::max(t, segment.entry);
+  return t <= t_far;
 }
 
+/// Solves one cell for the rays of a packet; returns the lanes that hit before their t_far.
+uint32_t meet(const ShapeCells& shape, unsigned shape_index, unsigned cell_index, const Query& query, const int* valid, RTCRayN* packet,
+              unsigned n, bool any, float* t) {
+  RayLanes rays{n,
+                valid,
+                &RTCRayN_org_x(packet, n, 0),
+                &RTCRayN_org_y(packet, n, 0),
+                &RTCRayN_org_z(packet, n, 0),
+                &RTCRayN_dir_x(packet, n, 0),
+                &RTCRayN_dir_y(packet, n, 0),
+                &RTCRayN_dir_z(packet, n, 0),
+                &RTCRayN_tnear(packet, n, 0),
+                &RTCRayN_tfar(packet, n, 0),
+                any};
+  uint32_t inside = 0;
+  alignas(64) std::array<int, k_packet> outside;
+  if (query.any_inside) {
+    for (unsigned i = 0; i < n; ++i) {
+      const bool is_inside = valid[i] && query.rays[RTCRayN_id(packet, n, i)].inside == static_cast<int>(shape_index);
+      inside |= uint32_t(is_inside) << i;
+      outside[i] = is_inside ? 0 : valid[i];
+    }
+    rays.valid = outside.data();
+  }
+  uint32_t hits = solve_lanes(shape, shape.cells[cell_index], rays, *query.counters, t);
+  for (uint32_t left = hits; left; left &= left - 1) {
+    const auto i = static_cast<unsigned>(std::countr_zero(left));
+    if (!(t[i] <= rays.t_far[i])) hits &= ~(1u << i);
+  }
+  for (; inside; inside &= inside - 1) { // rare: one by one
+    const auto i = static_cast<unsigned>(std::countr_zero(inside));
+    const Ray& ray = query.rays[RTCRayN_id(packet, n, i)];
+    if (meet(shape, shape_index, cell_index, ray, rays.t_far[i], *query.counters, t[i])) hits |= 1u << i;
+  }
+  return hits;
+}
+
+/// Whether a hit at t comes before what the ray has met: of equals the first cell counts, whichever was visited first.
+bool is_nearer(float t, unsigned shape, unsigned cell, float t_far, unsigned met_shape, unsigned met_cell) {
+  if (t != t_far || met_shape == RTC_INVALID_GEOMETRY_ID) return true;
+  return shape != met_shape ? shape < met_shape : cell < met_cell;
+}
+
+/// Shortens the rays that hit, so that farther cells are culled.
 void cell_intersect(const RTCIntersectFunctionNArguments* args) {
-  if (!args->valid[0]) return;
   const auto& shape = *static_cast<const ShapeCells*>(args->geometryUserPtr);
   const auto& query = *reinterpret_cast<const Query*>(args->context);
-  auto* hit = reinterpret_cast<RTCRayHit*>(args->rayhit);
-  float t;
-  if (!meet(shape, args->geomID, args->primID, query, hit->ray.tfar, t)) return;
-  hit->ray.tfar = t;
-  hit->hit.geomID = args->geomID;
-  hit->hit.primID = args->primID;
+  const unsigned n = args->N;
+  RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, n);
+  RTCHitN* found = RTCRayHitN_HitN(args->rayhit, n);
+  alignas(64) std::array<float, k_packet> t;
+  uint32_t hits = 0;
+  if (n == 1)
+    hits = args->valid[0] && meet(shape, args->geomID, args->primID, *query.rays, RTCRayN_tfar(rays, 1, 0), *query.counters, t[0]);
+  else
+    hits = meet(shape, args->geomID, args->primID, query, args->valid, rays, n, false, t.data());
+  for (; hits; hits &= hits - 1) {
+    const auto i = static_cast<unsigned>(std::countr_zero(hits));
+    if (!is_nearer(t[i], args->geomID, args->primID, RTCRayN_tfar(rays, n, i), RTCHitN_geomID(found, n, i), RTCHitN_primID(found, n, i)))
+      continue;
+    RTCRayN_tfar(rays, n, i) = t[i];
+    RTCHitN_geomID(found, n, i) = args->geomID;
+    RTCHitN_primID(found, n, i) = args->primID;
+  }
 }
 
 void cell_occluded(const RTCOccludedFunctionNArguments* args) {
-  if (!args->valid[0]) return;
   const auto& shape = *static_cast<const ShapeCells*>(args->geometryUserPtr);
   const auto& query = *reinterpret_cast<const Query*>(args->context);
-  auto* ray = reinterpret_cast<RTCRay*>(args->ray);
-  float t;
-  if (meet(shape, args->geomID, args->primID, query, ray->tfar, t)) ray->tfar = -std::numeric_limits<float>::infinity();
+  const unsigned n = args->N;
+  alignas(64) std::array<float, k_packet> t;
+  uint32_t hits = 0;
+  if (n == 1)
+    hits = args->valid[0] && meet(shape, args->geomID, args->primID, *query.rays, RTCRayN_tfar(args->ray, 1, 0), *query.counters, t[0]);
+  else
+    hits = meet(shape, args->geomID, args->primID, query, args->valid, args->ray, n, true, t.data());
+  for (; hits; hits &= hits - 1)
+    RTCRayN_tfar(args->ray, n, static_cast<unsigned>(std::countr_zero(hits))) = -std::numeric_limits<float>::infinity();
 }
 
 RTCRay to_embree(const Ray& ray) {
@@ -98,6 +148,27 @@ RTCRay to_embree(const Ray& ray) {
   r.tnear = ray.t_near, r.tfar = ray.t_far;
   r.mask = ~0u;
   return r;
+}
+
+/// Up to 16 rays into a packet; the other lanes take no part.
+template <class Packet>
+void fill(std::span<const Ray> rays, Packet& out, int* valid) {
+  for (size_t i = 0; i < k_packet; ++i) {
+    valid[i] = i < rays.size() ? -1 : 0;
+    const Ray& ray = rays[i < rays.size() ? i : 0]; // lanes without a ray hold a copy: numbers like any
+    out.org_x[i] = ray.origin.x, out.org_y[i] = ray.origin.y, out.org_z[i] = ray.origin.z;
+    out.dir_x[i] = ray.direction.x, out.dir_y[i] = ray.direction.y, out.dir_z[i] = ray.direction.z;
+    out.tnear[i] = ray.t_near, out.tfar[i] = ray.t_far, out.time[i] = 0;
+    out.mask[i] = ~0u, out.id[i] = static_cast<unsigned>(i), out.flags[i] = 0;
+  }
+}
+
+Query packet_query(std::span<const Ray> rays, SolveCounters& counters) {
+  const bool any_inside = std::any_of(rays.begin(), rays.end(), [](const Ray& r) { return r.inside != Ray::k_outside; });
+  Query query{{}, rays.data(), any_inside, &counters};
+  rtcInitIntersectContext(&query.embree);
+  query.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  return query;
 }
 
 void attach(RTCDevice device, RTCScene scene, ShapeCells& shape, unsigned index) {
@@ -141,7 +212,7 @@ CellScene::CellScene(CellScene&&) noexcept = default;
 CellScene& CellScene::operator=(CellScene&&) noexcept = default;
 
 bool CellScene::intersect(const Ray& ray, SolveCounters& counters, CellHit& hit) const {
-  Query query{{}, &ray, &counters};
+  Query query{{}, &ray, false, &counters};
   rtcInitIntersectContext(&query.embree);
   RTCRayHit r;
   r.ray = to_embree(ray);
@@ -153,11 +224,40 @@ bool CellScene::intersect(const Ray& ray, SolveCounters& counters, CellHit& hit)
 }
 
 bool CellScene::occluded(const Ray& ray, SolveCounters& counters) const {
-  Query query{{}, &ray, &counters};
+  Query query{{}, &ray, false, &counters};
   rtcInitIntersectContext(&query.embree);
   RTCRay r = to_embree(ray);
   rtcOccluded1(state_->scene, &query.embree, &r);
   return r.tfar < 0;
+}
+
+uint32_t CellScene::intersect(std::span<const Ray> rays, SolveCounters& counters, CellHit* hits) const {
+  if (rays.empty()) return 0;
+  Query query = packet_query(rays, counters);
+  alignas(64) std::array<int, k_packet> valid;
+  RTCRayHit16 r;
+  fill(rays, r.ray, valid.data());
+  std::fill(std::begin(r.hit.geomID), std::end(r.hit.geomID), RTC_INVALID_GEOMETRY_ID);
+  rtcIntersect16(valid.data(), state_->scene, &query.embree, &r);
+  uint32_t found = 0;
+  for (size_t i = 0; i < rays.size(); ++i) {
+    if (r.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+    hits[i] = {r.ray.tfar[i], r.hit.geomID[i], r.hit.primID[i]};
+    found |= 1u << i;
+  }
+  return found;
+}
+
+uint32_t CellScene::occluded(std::span<const Ray> rays, SolveCounters& counters) const {
+  if (rays.empty()) return 0;
+  Query query = packet_query(rays, counters);
+  alignas(64) std::array<int, k_packet> valid;
+  RTCRay16 r;
+  fill(rays, r, valid.data());
+  rtcOccluded16(valid.data(), state_->scene, &query.embree, &r);
+  uint32_t found = 0;
+  for (size_t i = 0; i < rays.size(); ++i) found |= uint32_t(r.tfar[i] < 0) << i;
+  return found;
 }
 
 const std::vector<ShapeCells>& CellScene::shapes() const { return state_->shapes; }

@@ -8,13 +8,6 @@
 
 namespace kelpie {
 
-struct Ray {
-  Vec3 origin, direction; ///< direction: a unit vector
-  float t_near = 0, t_far = std::numeric_limits<float>::infinity();
-  static constexpr int k_outside = -1;
-  int inside = k_outside; ///< the shape that the ray starts in: its surface is met from within
-};
-
 struct CellHit {
   float t = 0;
   uint32_t shape = 0; ///< index into the shapes that the scene was made of
@@ -33,6 +26,11 @@ public:
   bool intersect(const Ray&, SolveCounters&, CellHit&) const;
   /// Whether it meets any.
   bool occluded(const Ray&, SolveCounters&) const;
+
+  /// The same for a packet of up to k_packet rays, best of rays that run side by side: returns the rays (bits)
+  /// that hit. A ray's answer does not depend on the others; it may differ from the answer alone by rounding.
+  uint32_t intersect(std::span<const Ray>, SolveCounters&, CellHit*) const;
+  uint32_t occluded(std::span<const Ray>, SolveCounters&) const;
 
   const std::vector<ShapeCells>& shapes() const;
   /// Bytes of Embree's own structures and of the cells.

@@ -5,11 +5,31 @@
 
 namespace kelpie {
 
+struct Ray {
+  Vec3 origin, direction; ///< direction: a unit vector
+  float t_near = 0, t_far = std::numeric_limits<float>::infinity();
+  static constexpr int k_outside = -1;
+  int inside = k_outside; ///< the shape that the ray starts in: its surface is met from within
+};
+
 /// The part of a ray that lies in a cell: origin + t * direction (a unit vector), t in [t0, t1].
 struct RaySegment {
   Vec3 origin, direction;
   float t0, t1;
+  float entry;      ///< where the ray enters the box; t0 is padded, and an answer before `entry` counts as `entry`
   bool from_inside; ///< the ray comes from inside the shape: the first crossing outward is sought
+};
+
+/// The largest packet of rays.
+inline constexpr size_t k_packet = 16;
+
+/// The rays of a packet, a lane each, as Embree lays them out: `count` values side by side.
+struct RayLanes {
+  size_t count;     ///< 4, 8 or 16
+  const int* valid; ///< not 0: the lane takes part. All start outside the shape
+  const float *origin_x, *origin_y, *origin_z, *direction_x, *direction_y, *direction_z, *t_near, *t_far;
+  bool any; ///< any hit will do (before t_far), not only the first
+  Ray ray(size_t lane) const;
 };
 
 /// What the solvers did, for statistics; one per thread.
@@ -18,9 +38,22 @@ struct SolveCounters {
   uint64_t evaluations = 0; ///< of the field: samples along rays
 };
 
+/// The part of the ray in the cell, padded so that no wall between two cells is a gap; false if there is none.
+/// The pad is small enough that the cell's list of elements is still whole (the builder keeps the same margin).
+///
+/// Of t_far the segment knows nothing, so that it is the same whatever was met before; and without their pads
+/// the segments of neighbours join exactly. Thus the nearest answer of all cells (of equals, that of the first
+/// cell) does not depend on the order of the visits, which in a packet depends on the other rays.
+bool clip(const Cell&, const Ray&, bool from_inside, RaySegment&);
+
 /// The first t at which field - threshold changes sign, or t0 if the ray is on the other side already
 /// (it has come through a wall between two cells). False if there is none.
 bool solve(const ShapeCells&, const Cell&, const RaySegment&, SolveCounters&, float& t);
+
+/// The same for each lane of a packet, clipped to the cell: returns the lanes (bits) that hit, and where. What a
+/// lane gets depends on its own ray alone, to the last bit. Lanes whose cell lies past t_far may be left out; of
+/// lanes that do not hit, t is anything.
+uint32_t solve_lanes(const ShapeCells&, const Cell&, const RayLanes&, SolveCounters&, float* t);
 
 /// The gradient of the field at a point of a cell.
 Vec3 cell_gradient(const ShapeCells&, const Cell&, const Vec3& p);
@@ -29,7 +62,10 @@ Vec3 cell_gradient(const ShapeCells&, const Cell&, const Vec3& p);
 
 /// Sums of point blobs; SIMD, dispatched at run time.
 bool solve_blobs(const ShapeCells&, const Cell&, const RaySegment&, SolveCounters&, float& t);
+uint32_t solve_blobs_lanes(const ShapeCells&, const Cell&, const RayLanes&, SolveCounters&, float* t);
 Vec3 blobs_gradient(const ShapeCells&, const Cell&, const Vec3& p);
+/// Any cell, by `solve`.
+uint32_t solve_one_by_one(const ShapeCells&, const Cell&, const RayLanes&, SolveCounters&, float* t);
 /// Any code.
 bool solve_code(const ShapeCells&, const Cell&, const RaySegment&, SolveCounters&, float& t);
 

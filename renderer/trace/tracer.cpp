@@ -1,5 +1,7 @@
 #include "renderer/trace/tracer.h"
 
+#include <array>
+
 namespace kelpie {
 
 namespace {
@@ -43,6 +45,32 @@ bool Tracer::occluded(const Ray& ray, SolveCounters& counters) const {
   Hit hit;
   hit.t = ray.t_far;
   return meet_planes(ray, hit) || cells_.occluded(ray, counters);
+}
+
+uint32_t Tracer::intersect(std::span<const Ray> rays, SolveCounters& counters, Hit* hits) const {
+  std::array<Ray, k_packet> shortened;
+  std::array<CellHit, k_packet> cell_hits;
+  uint32_t found = 0;
+  for (size_t i = 0; i < rays.size(); ++i) {
+    hits[i].t = rays[i].t_far;
+    found |= uint32_t(meet_planes(rays[i], hits[i])) << i;
+    shortened[i] = rays[i];
+    shortened[i].t_far = hits[i].t;
+  }
+  const uint32_t in_cells = cells_.intersect(std::span(shortened).first(rays.size()), counters, cell_hits.data());
+  for (size_t i = 0; i < rays.size(); ++i)
+    if (in_cells >> i & 1) complete(rays[i], cell_hits[i], hits[i]);
+  return found | in_cells;
+}
+
+uint32_t Tracer::occluded(std::span<const Ray> rays, SolveCounters& counters) const {
+  uint32_t found = 0;
+  for (size_t i = 0; i < rays.size(); ++i) {
+    Hit hit;
+    hit.t = rays[i].t_far;
+    found |= uint32_t(meet_planes(rays[i], hit)) << i;
+  }
+  return found | cells_.occluded(rays, counters);
 }
 
 bool Tracer::meet_planes(const Ray& ray, Hit& hit) const {

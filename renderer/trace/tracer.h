@@ -22,6 +22,10 @@ public:
   bool intersect(const Ray&, SolveCounters&, Hit&) const;
   bool occluded(const Ray&, SolveCounters&) const;
 
+  /// The same for a packet of up to k_packet rays (see CellScene): returns the rays (bits) that hit.
+  uint32_t intersect(std::span<const Ray>, SolveCounters&, Hit*) const;
+  uint32_t occluded(std::span<const Ray>, SolveCounters&) const;
+
   /// The implicit shape around a point, for Ray::inside; k_outside if there is none.
   int shape_around(const Vec3& p) const;
 

@@ -1,0 +1,335 @@
+// The solver for sums of point blobs, for packets: lanes are rays. Each lane marches along its own segment
+// (s in [-h, h], centred), with steps that suit its own field: a step is taken if the bound of the curvature
+// from below (solve_blobs.cpp) rules out a hidden pair of roots in it, and halved if not; where the sign
+// changes, regula falsi follows. s is a length: t times the direction's length, which is 1 but for rounding.
+// A blob is q(s) = a - (r s - e)^2 with r^2 = k and a = s_i - k times the squared distance of the ray's line,
+// which loses far fewer digits to cancellation than a + b s - k s^2 where blobs are small.
+//
+// The lanes evaluate together, and no lane's arithmetic looks at another's.
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "renderer/trace/solve_blobs_lanes.cpp"
+#include <hwy/aligned_allocator.h>
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <array>
+
+#include "renderer/trace/solve.h"
+
+#ifndef KELPIE_SOLVE_BLOBS_LANES_ONCE
+#define KELPIE_SOLVE_BLOBS_LANES_ONCE
+namespace kelpie {
+
+/// The quadratics q(s) = a - (r s - e)^2 of the blobs that some lane meets, with potential q^2 (w + v q): a and
+/// e of each lane, then what the lanes share.
+struct LaneBlobs {
+  hwy::AlignedFreeUniquePtr<float[]> ae;
+  std::vector<float> r, w, v;
+  size_t capacity = 0, count = 0;
+
+  void reserve(size_t n) {
+    if (capacity >= n) return;
+    capacity = n;
+    ae = hwy::AllocateAligned<float>(n * 2 * k_packet);
+    for (auto* list : {&r, &w, &v}) list->resize(n);
+  }
+};
+
+/// After this many evaluations a lane is left to the solver for single rays.
+inline constexpr int k_most_evaluations = 48;
+/// No first try is shorter than this part of a segment.
+inline constexpr float k_shortest_step = 1.f / 12;
+
+} // namespace kelpie
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace kelpie {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Lanes = hn::CappedTag<float, k_packet>;
+using IntLanes = hn::RebindToSigned<Lanes>;
+using V = hn::Vec<Lanes>;
+using M = hn::Mask<Lanes>;
+constexpr Lanes k_lanes{};
+constexpr size_t k_width = hn::MaxLanes(Lanes{});
+
+/// A point or direction of each lane.
+struct V3 {
+  V x, y, z;
+};
+
+inline V dot(const V3& a, const V3& b) { return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z))); }
+inline V set(float v) { return hn::Set(k_lanes, v); }
+inline bool none(M m) { return hn::AllFalse(k_lanes, m); }
+
+inline M no_lanes() { return hn::Lt(hn::Zero(k_lanes), hn::Zero(k_lanes)); }
+
+inline uint32_t bits_of(M m) {
+  uint8_t bytes[8] = {};
+  hn::StoreMaskBits(k_lanes, m, bytes);
+  return bytes[0] | uint32_t(bytes[1]) << 8;
+}
+
+/// Rays `first`, first + 1, … of a packet in their cell, as clip() has them.
+struct Segments {
+  V3 origin, direction;
+  V t0, t1, entry;
+  M live;
+
+  Segments(const RayLanes& rays, size_t first, const Box3& box)
+      : origin{load(rays.origin_x + first), load(rays.origin_y + first), load(rays.origin_z + first)}, direction{
+                                                                                                           load(rays.direction_x + first),
+                                                                                                           load(rays.direction_y + first),
+                                                                                                           load(rays.direction_z + first)} {
+    const V near = load(rays.t_near + first);
+    entry = near, t1 = set(std::numeric_limits<float>::infinity());
+    slab(box.lower.x, box.upper.x, origin.x, direction.x);
+    slab(box.lower.y, box.upper.y, origin.y, direction.y);
+    slab(box.lower.z, box.upper.z, origin.z, direction.z);
+    const V far = load(rays.t_far + first);
+    const auto valid = hn::Ne(hn::LoadU(IntLanes{}, rays.valid + first), hn::Zero(IntLanes{}));
+    live = hn::And(hn::RebindMask(k_lanes, valid), hn::And(hn::Le(entry, t1), hn::Le(entry, far)));
+    const V pad = hn::MulAdd(set(1e-6f), hn::Abs(t1), set(1e-6f));
+    t0 = hn::Max(hn::Sub(entry, pad), near), t1 = hn::Add(t1, pad);
+  }
+
+private:
+  static V load(const float* p) { return hn::LoadU(k_lanes, p); }
+
+  /// NaN leaves the bounds as they are, as in clip().
+  void slab(float lower, float upper, V o, V d) {
+    const V inverse = hn::Div(set(1), d);
+    const V a = hn::Mul(hn::Sub(set(lower), o), inverse), b = hn::Mul(hn::Sub(set(upper), o), inverse);
+    const auto forward = hn::Lt(a, b);
+    const V in = hn::IfThenElse(forward, a, b), out = hn::IfThenElse(forward, b, a);
+    entry = hn::IfThenElse(hn::Gt(in, entry), in, entry);
+    t1 = hn::IfThenElse(hn::Lt(out, t1), out, t1);
+  }
+};
+
+/// Pure: quartic falloffs and positive weights only, weights folded into q. Then f = sum q^2.
+template <bool Pure>
+class LaneSolver {
+public:
+  LaneSolver(float threshold, SolveCounters& counters, std::array<LaneBlobs, 2>& active)
+      : threshold_(threshold), negligible_(1e-5f * threshold), counters_(counters), active_(active) {}
+
+  /// The lanes that hit, in `hit`; those that only the solver for single rays can answer, in `unsure`.
+  /// `enough`: where a lane may stop at any point that is inside, up to this t.
+  void run(const float* blobs, size_t n, const Segments& segments, V enough, M& hit, M& unsure, V& t) {
+    const V3& o = segments.origin;
+    V3 d = segments.direction;
+    const V speed = hn::Sqrt(dot(d, d)), middle = hn::Mul(set(0.5f), hn::Add(segments.t0, segments.t1));
+    half_ = hn::Mul(hn::Mul(set(0.5f), hn::Sub(segments.t1, segments.t0)), speed);
+    const V3 m{hn::MulAdd(middle, d.x, o.x), hn::MulAdd(middle, d.y, o.y), hn::MulAdd(middle, d.z, o.z)};
+    d = {hn::Div(d.x, speed), hn::Div(d.y, speed), hn::Div(d.z, speed)};
+    const V most = set_up(blobs, n, m, d, segments.live);
+    hit = unsure = no_lanes();
+    live_ = hn::And(segments.live, hn::Ge(most, set(threshold_ * (1 - 1e-6f))));
+    if (none(live_)) return;
+    V root;
+    march(hn::Mul(hn::Sub(enough, middle), speed), hit, unsure, root);
+    t = hn::Max(hn::Add(middle, hn::Div(root, speed)), segments.entry);
+  }
+
+private:
+  /// Fills the list of active blobs; returns upper bounds of the field on the segments.
+  V set_up(const float* blobs, size_t n, const V3& m, const V3& d, M live) {
+    for (LaneBlobs& half : active_) half.reserve(n), half.count = 0;
+    const V zero = hn::Zero(k_lanes), minus_half = hn::Neg(half_);
+    V curvature = zero, most = zero;
+    for (size_t i = 0; i < n && blobs[3 * n + i] > 0; ++i) { // what pads the list has s < 0
+      const V3 c{hn::Sub(set(blobs[i]), m.x), hn::Sub(set(blobs[n + i]), m.y), hn::Sub(set(blobs[2 * n + i]), m.z)};
+      const V s = set(blobs[3 * n + i]), k = set(blobs[4 * n + i]);
+      const V along = dot(c, d);
+      const V3 across{hn::NegMulAdd(along, d.x, c.x), hn::NegMulAdd(along, d.y, c.y), hn::NegMulAdd(along, d.z, c.z)};
+      const V a = hn::NegMulAdd(k, dot(across, across), s);
+      // q is largest at the place nearest to the centre.
+      const V off = hn::Sub(hn::Min(hn::Max(along, minus_half), half_), along);
+      const V q = hn::NegMulAdd(k, hn::Mul(off, off), a);
+      const auto reaches = hn::And(live, hn::Gt(q, zero));
+      if (none(reaches)) continue;
+      const V r = hn::Sqrt(k);
+      // Where a lane does not meet the blob, it must not make a difference whether another does: q < 0 there.
+      push(active_[i % 2], hn::IfThenElse(reaches, a, set(-1)), hn::IfThenElseZero(reaches, hn::Mul(r, along)), r);
+      if constexpr (Pure) {
+        curvature = hn::Add(curvature, hn::IfThenElseZero(reaches, hn::Mul(s, k)));
+        most = hn::Add(most, hn::IfThenElseZero(reaches, hn::Mul(q, q)));
+      } else {
+        const float w = blobs[5 * n + i], v = blobs[6 * n + i];
+        active_[i % 2].w[active_[i % 2].count - 1] = w, active_[i % 2].v[active_[i % 2].count - 1] = v;
+        const float bend = std::max(4 * w, -8 * w) + std::max(6 * v, -4.8f * v);
+        curvature = hn::Add(curvature, hn::IfThenElseZero(reaches, hn::Mul(set(bend), k)));
+        const V peak = hn::Mul(hn::Mul(q, q), hn::MulAdd(set(v), q, set(w)));
+        most = hn::Add(most, hn::IfThenElseZero(reaches, hn::Max(peak, zero)));
+      }
+    }
+    for (int i : {0, 1}) // so that they may be read in pairs
+      while (active_[i].count < active_[1 - i].count) push(active_[i], set(-1), zero, zero);
+    curvature_ = hn::Mul(set(Pure ? 4.0004f : 1.0001f), curvature);
+    return most;
+  }
+
+  static void push(LaneBlobs& list, V a, V e, V r) {
+    hn::Store(a, k_lanes, list.ae.get() + 2 * k_width * list.count);
+    hn::Store(e, k_lanes, list.ae.get() + 2 * k_width * list.count + k_width);
+    list.r[list.count] = hn::GetLane(r), list.w[list.count] = list.v[list.count] = 0;
+    ++list.count;
+  }
+
+  static V term(const LaneBlobs& list, size_t i, V s, V f) {
+    const float* ae = list.ae.get() + 2 * k_width * i;
+    const V off = hn::MulSub(set(list.r[i]), s, hn::Load(k_lanes, ae + k_width));
+    const V q = hn::Max(hn::NegMulAdd(off, off, hn::Load(k_lanes, ae)), hn::Zero(k_lanes));
+    if constexpr (Pure)
+      return hn::MulAdd(q, q, f);
+    else
+      return hn::MulAdd(hn::Mul(q, q), hn::MulAdd(set(list.v[i]), q, set(list.w[i])), f);
+  }
+
+  /// f - T, each lane at its place.
+  V at(V s) const {
+    counters_.evaluations += hn::CountTrue(k_lanes, live_);
+    V even = set(-threshold_), odd = hn::Zero(k_lanes);
+    for (size_t i = 0; i < active_[0].count; ++i) even = term(active_[0], i, s, even), odd = term(active_[1], i, s, odd);
+    return hn::Add(even, odd);
+  }
+
+  /// How far g, negative here, cannot have come from a hidden pair of roots if it does not change: bound = 0.
+  V next_step(V g) const {
+    const V step = hn::Sqrt(hn::Div(hn::Mul(set(-8), g), hn::Max(curvature_, set(1e-30f))));
+    return hn::Max(step, hn::Mul(set(2 * k_shortest_step), half_));
+  }
+
+  /// Where g, below 0 at both ends of a step, may exceed the negligible inside it: see may_hide in solve_blobs.cpp.
+  M may_hide(V g0, V g1, V bulge) const {
+    const V rise = hn::Sub(g1, g0), quarter = set(0.25f);
+    const V inner = hn::MulAdd(quarter, hn::Add(bulge, hn::Div(hn::Mul(rise, rise), bulge)), hn::Mul(set(0.5f), hn::Add(g0, g1)));
+    return hn::And(hn::And(hn::Ge(bulge, set(4 * negligible_)), hn::Lt(hn::Abs(rise), bulge)), hn::Ge(inner, set(negligible_)));
+  }
+
+  /// C w^2 / 2
+  V bulge(V width) const { return hn::Mul(hn::Mul(set(0.5f), curvature_), hn::Mul(width, width)); }
+
+  /// Whether a step from g0 < 0 to g >= 0 is so long that the first of several roots may not be the one that is found.
+  M is_too_long(V g0, V g, V width) const {
+    const V arch = bulge(hn::Mul(width, hn::Div(g0, hn::Sub(g0, g)))); // up to where the chord is 0
+    return hn::And(hn::Ge(arch, set(4 * negligible_)), hn::Gt(arch, hn::Mul(set(-0.5f), g0)));
+  }
+
+  void march(V enough, M& hit, M& unsure, V& root) {
+    const V zero = hn::Zero(k_lanes), one_half = set(0.5f);
+    V from = hn::Neg(half_), g_from = at(from); // up to here there is no root
+    V step = next_step(g_from);
+    V lo = from, g_lo = g_from, hi = half_, g_hi = zero; // the bracket, with values weighted by the Illinois rule
+    M bracketed = no_lanes(), was_below = bracketed, was_above = bracketed;
+    hit = hn::AndNot(hn::Lt(g_from, zero), live_), root = from;
+    live_ = hn::AndNot(hit, live_);
+    for (int i = 1; i < k_most_evaluations && !none(live_); ++i) {
+      const V secant = hn::Sub(lo, hn::Div(hn::Mul(hn::Sub(hi, lo), g_lo), hn::Sub(g_hi, g_lo)));
+      const V x = hn::IfThenElse(bracketed, secant, hn::Min(hn::Add(from, step), half_));
+      const V g = at(x), width = hn::Sub(x, from);
+      const auto below = hn::Lt(g, zero), marching = hn::AndNot(bracketed, live_);
+
+      const auto inside = hn::And(hn::Gt(x, lo), hn::Lt(x, hi));
+      const auto close = hn::Le(hn::Abs(g), set(1e-6f * threshold_));
+      const auto found = hn::AndNot(hn::AndNot(close, inside), hn::And(bracketed, live_));
+      root = hn::IfThenElse(found, hn::Min(hn::Max(x, lo), hi), root);
+
+      const auto is_clear = hn::AndNot(may_hide(g_from, g, bulge(width)), below);
+      const auto passes = hn::And(live_, is_clear);
+      const auto crosses = hn::AndNot(hn::Or(below, is_too_long(g_from, g, width)), marching);
+      const auto retries = hn::AndNot(hn::Or(passes, crosses), marching);
+      const auto ends = hn::And(hn::And(marching, passes), hn::Ge(x, half_));
+      const auto will_do = hn::And(hn::AndNot(below, marching), hn::Le(x, enough));
+      root = hn::IfThenElse(will_do, x, root);
+
+      const auto goes_up = hn::And(bracketed, below), goes_down = hn::AndNot(below, bracketed);
+      g_hi = hn::IfThenElse(hn::And(goes_up, was_below), hn::Mul(one_half, g_hi), g_hi);
+      g_lo = hn::IfThenElse(hn::And(goes_down, was_above), hn::Mul(one_half, g_lo), g_lo);
+      was_below = goes_up, was_above = goes_down;
+      const auto lower = hn::Or(hn::And(marching, passes), goes_up), upper = hn::Or(crosses, goes_down);
+      lo = hn::IfThenElse(lower, x, lo), g_lo = hn::IfThenElse(lower, g, g_lo);
+      hi = hn::IfThenElse(upper, x, hi), g_hi = hn::IfThenElse(upper, g, g_hi);
+      from = hn::IfThenElse(passes, x, from), g_from = hn::IfThenElse(passes, g, g_from);
+      step = hn::IfThenElse(retries, hn::Mul(one_half, width), hn::Min(next_step(g), hn::Add(width, width)));
+      bracketed = hn::Or(bracketed, crosses);
+
+      hit = hn::Or(hit, hn::Or(found, will_do));
+      live_ = hn::AndNot(hn::Or(hn::Or(found, will_do), ends), live_);
+    }
+    // Two more roots may hide before the root, unless the bound is negative up to it.
+    const V arch = bulge(hn::Sub(root, from));
+    const auto hidden = hn::And(hn::Gt(arch, hn::Neg(g_from)), hn::Ge(arch, set(4 * negligible_)));
+    unsure = hn::Or(live_, hn::And(hn::And(hit, bracketed), hn::AndNot(hn::Le(root, enough), hidden)));
+  }
+
+  float threshold_, negligible_;
+  V half_;
+  V curvature_; ///< C: f'' >= -C on the segment
+  M live_;      ///< lanes without an answer
+  SolveCounters& counters_;
+  /// Blobs of even and of odd number, two sums, or the additions would wait for each other. (By number, not by
+  /// place in the list: that depends on the other lanes, and with it would the rounding.)
+  std::array<LaneBlobs, 2>& active_;
+};
+
+/// Answers the lanes that are unsure one by one.
+void settle(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, size_t first, const Segments& segments, uint32_t unsure,
+            uint32_t& hits, SolveCounters& counters, float* t) {
+  alignas(64) float t0[k_width], t1[k_width], entry[k_width];
+  hn::Store(segments.t0, k_lanes, t0), hn::Store(segments.t1, k_lanes, t1), hn::Store(segments.entry, k_lanes, entry);
+  for (size_t i = 0; i < k_width; ++i) {
+    if (!(unsure >> i & 1)) continue;
+    const Ray ray = rays.ray(first + i);
+    float root;
+    if (!solve_blobs(shape, cell, {ray.origin, ray.direction, t0[i], t1[i], entry[i], false}, counters, root)) continue;
+    root = std::max(root, entry[i]);
+    t[i] = hits >> i & 1 ? std::min(root, t[i]) : root;
+    hits |= 1u << i;
+  }
+}
+
+template <bool Pure>
+uint32_t SolveGroup(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, size_t first, SolveCounters& counters, float* t) {
+  thread_local std::array<LaneBlobs, 2> active;
+  const Segments segments(rays, first, cell.box);
+  if (none(segments.live)) return 0;
+  counters.cells += hn::CountTrue(k_lanes, segments.live);
+  const V enough = rays.any ? hn::LoadU(k_lanes, rays.t_far + first) : set(-std::numeric_limits<float>::infinity());
+  M hit, unsure;
+  V at = hn::Zero(k_lanes);
+  LaneSolver<Pure>(static_cast<float>(shape.program.threshold), counters, active)
+      .run(shape.blobs(cell), cell.count, segments, enough, hit, unsure, at);
+  hn::StoreU(at, k_lanes, t);
+  uint32_t hits = bits_of(hit);
+  if (!none(unsure)) settle(shape, cell, rays, first, segments, bits_of(unsure), hits, counters, t);
+  return hits;
+}
+
+uint32_t SolveBlobsLanes(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, SolveCounters& counters, float* t) {
+  if (rays.count < k_width) return solve_one_by_one(shape, cell, rays, counters, t); // Embree was told to use narrow vectors
+  const auto group = cell.content == Cell::Content::pure_blobs ? SolveGroup<true> : SolveGroup<false>;
+  uint32_t hits = 0;
+  for (size_t first = 0; first < rays.count; first += k_width) hits |= group(shape, cell, rays, first, counters, t + first) << first;
+  return hits;
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace kelpie
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kelpie {
+
+HWY_EXPORT(SolveBlobsLanes);
+
+uint32_t solve_blobs_lanes(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, SolveCounters& counters, float* t) {
+  return HWY_DYNAMIC_DISPATCH(SolveBlobsLanes)(shape, cell, rays, counters, t);
+}
+
+} // namespace kelpie
+#endif
