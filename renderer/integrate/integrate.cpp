@@ -1,5 +1,6 @@
 #include "renderer/integrate/integrate.h"
 
+#include <array>
 #include <mutex>
 
 #include <tbb/parallel_for.h>
@@ -12,6 +13,9 @@ namespace kelpie {
 namespace {
 
 constexpr int k_tile = 16;
+/// Its pixels go by squares of this side.
+constexpr int k_block = 4;
+static_assert(k_block * k_block <= k_packet);
 /// Z of a pixel without a surface.
 constexpr float k_far = 1e10f;
 
@@ -56,8 +60,9 @@ public:
   void tile(int x0, int y0) {
     flush_denormals_in_this_thread();
     TileTally tally;
-    for (int y = y0; y < std::min(y0 + k_tile, window_.y1); ++y)
-      for (int x = x0; x < std::min(x0 + k_tile, window_.x1); ++x) pixel(x, y, tally);
+    const int x1 = std::min(x0 + k_tile, window_.x1), y1 = std::min(y0 + k_tile, window_.y1);
+    for (int y = y0; y < y1; y += k_block)
+      for (int x = x0; x < x1; x += k_block) block({x, y, std::min(x + k_block, x1), std::min(y + k_block, y1)}, tally);
     const std::lock_guard lock(mutex_);
     out_.rays.add(tally.rays);
     out_.nonfinite += tally.nonfinite;
@@ -71,36 +76,66 @@ private:
     Vec2i where{0};
   };
 
-  void pixel(int x, int y, TileTally& tally) {
-    Vec3 sum(0), albedo(0);
+  /// What a pixel's samples add up to.
+  struct PixelTally {
+    Vec3 radiance{0}, albedo{0};
     int hits = 0;
+    PathResult central; ///< of the sample nearest to the pixel's centre
     float nearest = std::numeric_limits<float>::infinity();
-    PathResult central;
-    const int spp = frame_.film.spp;
-    for (int s = 0; s < spp; ++s) {
-      Sampler sampler(static_cast<uint32_t>(x), static_cast<uint32_t>(y), frame_number_, static_cast<uint32_t>(s));
-      const Vec2 offset = filter_.offset(sampler.next_pair());
-      const Vec2 lens = frame_.camera.aperture > 0 ? sampler.next_pair() : Vec2(0);
-      Ray ray = camera_.through(Vec2(x + 0.5f, y + 0.5f) + offset, lens);
-      ray.inside = camera_inside_;
-      PathResult path = paths_.trace(ray, sampler, tally.rays);
-      if (!is_finite(path.radiance)) {
-        ++tally.nonfinite, tally.where = {x, y};
-        path.radiance = Vec3(0);
-      }
-      sum += path.radiance;
+
+    void add(const PathResult& path, Vec2 offset) {
+      radiance += path.radiance;
       hits += path.is_hit;
       if (path.is_hit) albedo += path.albedo;
       if (const float distance = glm::dot(offset, offset); distance < nearest) nearest = distance, central = path;
     }
-    const float share = 1.f / static_cast<float>(spp);
-    store(out_.image.index(x, y), sum * share, static_cast<float>(hits) * share, albedo * share, central);
+  };
+
+  /// Pixels side by side, a packet of paths for each sample. Which pixels share a packet does not show.
+  void block(const PixelBox& box, TileTally& tally) {
+    std::array<PixelTally, k_block * k_block> pixels;
+    std::array<Vec2, k_block * k_block> offsets;
+    std::vector<Path> paths;
+    paths.reserve(pixels.size());
+    const int spp = frame_.film.spp;
+    for (int s = 0; s < spp; ++s) {
+      paths.clear();
+      for (int y = box.y0; y < box.y1; ++y)
+        for (int x = box.x0; x < box.x1; ++x) paths.push_back(start(x, y, s, offsets[paths.size()]));
+      paths_.trace(paths, tally.rays);
+      for (size_t i = 0; i < paths.size(); ++i) {
+        PathResult& path = paths[i].result;
+        if (!is_finite(path.radiance)) {
+          ++tally.nonfinite, tally.where = place(box, i);
+          path.radiance = Vec3(0);
+        }
+        pixels[i].add(path, offsets[i]);
+      }
+    }
+    for (size_t i = 0; i < paths.size(); ++i) store(out_.image.index(place(box, i).x, place(box, i).y), pixels[i]);
   }
 
-  void store(size_t i, const Vec3& radiance, float coverage, const Vec3& albedo, const PathResult& central) const {
-    for (int c = 0; c < 3; ++c) channels_.rgba[c][i] = radiance[c];
-    channels_.rgba[3][i] = coverage;
-    Channels::set(channels_.albedo, i, albedo);
+  /// The i-th pixel of a block.
+  static Vec2i place(const PixelBox& box, size_t i) {
+    const int n = static_cast<int>(i);
+    return {box.x0 + n % box.width(), box.y0 + n / box.width()};
+  }
+
+  Path start(int x, int y, int sample, Vec2& offset) const {
+    Sampler sampler(static_cast<uint32_t>(x), static_cast<uint32_t>(y), frame_number_, static_cast<uint32_t>(sample));
+    offset = filter_.offset(sampler.next_pair());
+    const Vec2 lens = frame_.camera.aperture > 0 ? sampler.next_pair() : Vec2(0);
+    Ray ray = camera_.through(Vec2(x + 0.5f, y + 0.5f) + offset, lens);
+    ray.inside = camera_inside_;
+    return {ray, sampler};
+  }
+
+  void store(size_t i, const PixelTally& pixel) const {
+    const float share = 1.f / static_cast<float>(frame_.film.spp);
+    const PathResult& central = pixel.central;
+    for (int c = 0; c < 3; ++c) channels_.rgba[c][i] = pixel.radiance[c] * share;
+    channels_.rgba[3][i] = static_cast<float>(pixel.hits) * share;
+    Channels::set(channels_.albedo, i, pixel.albedo * share);
     // Geometry is not averaged: between two surfaces there is none.
     if (channels_.z) channels_.z[i] = central.is_hit ? camera_.depth(central.hit.position) : k_far;
     Channels::set(channels_.p, i, central.is_hit ? central.hit.position : Vec3(0));

@@ -1,5 +1,7 @@
 #include "renderer/integrate/path.h"
 
+#include <array>
+
 namespace kelpie {
 
 namespace {
@@ -21,25 +23,26 @@ constexpr int k_roulette_from = 4;
 
 /// A point of a path, with the side of the surface that the path is on.
 struct PathTracer::Vertex {
-  Vertex(const Hit& h, const Vec3& direction, const Bsdf& b, int inside_before)
-      : hit(h), is_back(glm::dot(h.normal, direction) > 0), frame(is_back ? -h.normal : h.normal), out(frame.local_from_world(-direction)),
-        bsdf(b), inside(inside_before) {}
+  Vertex(Path& p, const Hit& h, const Bsdf& b)
+      : path(p), hit(h), is_back(glm::dot(h.normal, p.ray.direction) > 0), frame(is_back ? -h.normal : h.normal),
+        out(frame.local_from_world(-p.ray.direction)), bsdf(b) {}
 
   /// A ray that leaves the vertex on the side on which the path came.
   Ray leave(const Vec3& direction) const {
     Ray ray;
     ray.origin = hit.position + hit.epsilon * frame.z;
     ray.direction = direction;
-    ray.inside = inside;
+    ray.inside = path.ray.inside;
     return ray;
   }
 
+  Path& path;
   const Hit& hit;
   bool is_back;
   Frame frame;
   Vec3 out; ///< towards the viewer, local
   Bsdf bsdf;
-  int inside;
+  Vec3 direct{0}; ///< light that samples of lights found
 };
 
 PathTracer::PathTracer(const Tracer& tracer, const std::vector<Light>& lights, const FrameScene& frame)
@@ -48,49 +51,89 @@ PathTracer::PathTracer(const Tracer& tracer, const std::vector<Light>& lights, c
   for (const Light& light : lights_) has_extended_light_ |= !light.is_delta();
 }
 
-PathResult PathTracer::trace(Ray ray, Sampler& sampler, RayCounters& counters) const {
-  PathResult result;
-  Vec3 throughput(1);
-  BsdfSample scattered;
-  bool seeks_light = false; // whether the scattered ray's light counts
-  bool after_matte = false;
-  ++counters.camera;
-  for (int bounce = 0;; ++bounce) {
-    Hit hit;
-    if (!tracer_.intersect(ray, counters.solve, hit)) {
-      if (bounce == 0) result.radiance = background(ray.direction);
-      if (seeks_light) result.radiance += throughput * escaped(ray.direction, scattered);
-      return result;
+void PathTracer::trace(std::span<Path> paths, RayCounters& counters) const {
+  counters.camera += paths.size();
+  std::array<Hit, k_packet> hits;
+  std::vector<Vertex> vertices;
+  std::vector<Path*> going;
+  vertices.reserve(paths.size()), going.reserve(paths.size());
+  for (Path& path : paths) going.push_back(&path);
+  for (int bounce = 0; !going.empty(); ++bounce) {
+    const uint32_t met = meet(going, bounce == 0, counters.solve, hits.data());
+    vertices.clear();
+    for (size_t i = 0; i < going.size(); ++i) {
+      if (met >> i & 1)
+        vertices.push_back(arrive(*going[i], hits[i], bounce));
+      else
+        escape(*going[i], bounce);
     }
-    const Bsdf& surface = bsdfs_[hit.shape];
-    const Vertex vertex(hit, ray.direction, after_matte ? surface.at_least_as_rough_as(k_alpha_after_matte) : surface, ray.inside);
-    after_matte = after_matte || !surface.is_glossy();
-    if (bounce == 0) result.is_hit = true, result.hit = hit, result.albedo = vertex.bsdf.albedo();
-
-    // On a matte surface the samples of lights alone are the best estimate of direct light (their density
-    // follows the radiance, so only the cosine varies): a scattered ray that finds light adds noise. On a
-    // glossy one both are weighed, even on the last vertex: highlights are direct light.
-    const bool is_last = bounce >= bounces_;
-    seeks_light = vertex.bsdf.is_glossy() && has_extended_light_;
-    result.radiance += throughput * direct_light(vertex, seeks_light, sampler, counters);
-    if (is_last && !seeks_light) return result;
-
-    scattered = vertex.bsdf.sample(vertex.out, sampler.next_pair());
-    if (scattered.pdf <= 0) return result;
-    throughput *= scattered.weight;
-    ray = vertex.leave(vertex.frame.world_from_local(scattered.direction));
-    if (is_last) {
-      ++counters.shadow;
-      if (!tracer_.occluded(ray, counters.solve)) result.radiance += throughput * escaped(ray.direction, scattered);
-      return result;
-    }
-    if (bounce >= k_roulette_from) {
-      const float survival = std::min(0.95f, std::max({throughput.x, throughput.y, throughput.z}));
-      if (!(sampler.next_pair().x < survival)) return result;
-      throughput /= survival;
-    }
-    ++counters.scatter;
+    add_direct_light(vertices, bounce, counters);
+    going.clear();
+    for (Vertex& vertex : vertices)
+      if (scatter(vertex, bounce, counters)) going.push_back(&vertex.path);
   }
+}
+
+/// The paths (bits) whose rays meet a surface.
+uint32_t PathTracer::meet(std::span<Path* const> paths, bool side_by_side, SolveCounters& counters, Hit* hits) const {
+  uint32_t met = 0;
+  if (!side_by_side) {
+    for (size_t i = 0; i < paths.size(); ++i) met |= uint32_t(tracer_.intersect(paths[i]->ray, counters, hits[i])) << i;
+    return met;
+  }
+  std::array<Ray, k_packet> rays;
+  for (size_t i = 0; i < paths.size(); ++i) rays[i] = paths[i]->ray;
+  return tracer_.intersect(std::span<const Ray>(rays).first(paths.size()), counters, hits);
+}
+
+/// The rays (bits) that do not reach the light.
+uint32_t PathTracer::shadowed(std::span<const Ray> rays, bool side_by_side, SolveCounters& counters) const {
+  if (side_by_side) return tracer_.occluded(rays, counters);
+  uint32_t dark = 0;
+  for (size_t i = 0; i < rays.size(); ++i) dark |= uint32_t(tracer_.occluded(rays[i], counters)) << i;
+  return dark;
+}
+
+PathTracer::Vertex PathTracer::arrive(Path& path, const Hit& hit, int bounce) const {
+  const Bsdf& surface = bsdfs_[hit.shape];
+  Vertex vertex(path, hit, path.after_matte ? surface.at_least_as_rough_as(k_alpha_after_matte) : surface);
+  path.after_matte = path.after_matte || !surface.is_glossy();
+  if (bounce == 0) path.result.is_hit = true, path.result.hit = hit, path.result.albedo = vertex.bsdf.albedo();
+  // On a matte surface the samples of lights alone are the best estimate of direct light (their density
+  // follows the radiance, so only the cosine varies): a scattered ray that finds light adds noise. On a
+  // glossy one both are weighed, even on the last vertex: highlights are direct light.
+  path.seeks_light = vertex.bsdf.is_glossy() && has_extended_light_;
+  return vertex;
+}
+
+/// The path's ray met nothing.
+void PathTracer::escape(Path& path, int bounce) const {
+  if (bounce == 0) path.result.radiance = background(path.ray.direction);
+  if (path.seeks_light) path.result.radiance += path.throughput * escaped(path.ray.direction, path.scattered);
+}
+
+/// Gives a path its next ray; false if it ends here.
+bool PathTracer::scatter(Vertex& vertex, int bounce, RayCounters& counters) const {
+  Path& path = vertex.path;
+  path.result.radiance += path.throughput * vertex.direct;
+  const bool is_last = bounce >= bounces_;
+  if (is_last && !path.seeks_light) return false;
+  path.scattered = vertex.bsdf.sample(vertex.out, path.sampler.next_pair());
+  if (path.scattered.pdf <= 0) return false;
+  path.throughput *= path.scattered.weight;
+  path.ray = vertex.leave(vertex.frame.world_from_local(path.scattered.direction));
+  if (is_last) {
+    ++counters.shadow;
+    if (!tracer_.occluded(path.ray, counters.solve)) path.result.radiance += path.throughput * escaped(path.ray.direction, path.scattered);
+    return false;
+  }
+  if (bounce >= k_roulette_from) {
+    const float survival = std::min(0.95f, std::max({path.throughput.x, path.throughput.y, path.throughput.z}));
+    if (!(path.sampler.next_pair().x < survival)) return false;
+    path.throughput /= survival;
+  }
+  ++counters.scatter;
+  return true;
 }
 
 Vec3 PathTracer::background(const Vec3& direction) const {
@@ -102,21 +145,31 @@ Vec3 PathTracer::background(const Vec3& direction) const {
   return sum;
 }
 
-Vec3 PathTracer::direct_light(const Vertex& vertex, bool competes, Sampler& sampler, RayCounters& counters) const {
-  Vec3 sum(0);
+void PathTracer::add_direct_light(std::span<Vertex> vertices, int bounce, RayCounters& counters) const {
   for (const Light& light : lights_) {
-    const Vec2 u = light.is_delta() ? Vec2(0) : sampler.next_pair();
-    if (vertex.bsdf.is_delta()) continue;
-    const Arrival arrival = light.sample(u);
-    if (!(arrival.pdf > 0)) continue;
-    const Vec3 in = vertex.frame.local_from_world(arrival.direction);
-    const Vec3 reflected = vertex.bsdf.evaluate(vertex.out, in) * arrival.radiance;
-    if (reflected == Vec3(0)) continue;
-    ++counters.shadow;
-    if (tracer_.occluded(vertex.leave(arrival.direction), counters.solve)) continue;
-    sum += reflected * ((competes && !arrival.is_delta ? mis_weight(arrival.pdf, vertex.bsdf.pdf(vertex.out, in)) : 1.f) / arrival.pdf);
+    std::array<Ray, k_packet> rays;
+    std::array<Vec3, k_packet> gains;
+    std::array<Vertex*, k_packet> takers;
+    size_t n = 0;
+    for (Vertex& vertex : vertices) {
+      const Vec2 u = light.is_delta() ? Vec2(0) : vertex.path.sampler.next_pair();
+      if (vertex.bsdf.is_delta()) continue;
+      const Arrival arrival = light.sample(u);
+      if (!(arrival.pdf > 0)) continue;
+      const Vec3 in = vertex.frame.local_from_world(arrival.direction);
+      const Vec3 reflected = vertex.bsdf.evaluate(vertex.out, in) * arrival.radiance;
+      if (reflected == Vec3(0)) continue;
+      const bool competes = vertex.path.seeks_light && !arrival.is_delta;
+      rays[n] = vertex.leave(arrival.direction), takers[n] = &vertex;
+      gains[n++] = reflected * ((competes ? mis_weight(arrival.pdf, vertex.bsdf.pdf(vertex.out, in)) : 1.f) / arrival.pdf);
+    }
+    counters.shadow += n;
+    // Rays to an environment part at once: packets of them take 1.7 times as long as the rays alone.
+    const bool side_by_side = bounce == 0 && !light.is_environment();
+    const uint32_t dark = shadowed(std::span<const Ray>(rays).first(n), side_by_side, counters.solve);
+    for (size_t i = 0; i < n; ++i)
+      if (!(dark >> i & 1)) takers[i]->direct += gains[i];
   }
-  return sum;
 }
 
 /// Light found by a scattered ray that met nothing.

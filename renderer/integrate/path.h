@@ -1,6 +1,8 @@
 // Path tracing with multiple importance sampling.
 #pragma once
 
+#include <span>
+
 #include "renderer/integrate/bsdf.h"
 #include "renderer/integrate/lights.h"
 #include "renderer/integrate/sampler.h"
@@ -26,19 +28,39 @@ struct PathResult {
   Vec3 albedo{0};
 };
 
+/// A path on its way; at first a camera ray.
+struct Path {
+  Path(const Ray& camera_ray, const Sampler& s) : ray(camera_ray), sampler(s) {}
+
+  Ray ray; ///< to its next vertex
+  Sampler sampler;
+  Vec3 throughput{1};
+  BsdfSample scattered;     ///< how `ray` left the last vertex
+  bool seeks_light = false; ///< whether light that `ray` finds counts
+  bool after_matte = false; ///< whether a vertex was matte
+  PathResult result;
+};
+
 /// All that a path needs; constant during a frame.
 class PathTracer {
 public:
   PathTracer(const Tracer& tracer, const std::vector<Light>& lights, const FrameScene& frame);
 
-  /// Follows a camera ray.
-  PathResult trace(Ray ray, Sampler& sampler, RayCounters& counters) const;
+  /// Follows up to k_packet camera rays to their ends. They go in step, so that rays that run side by side are
+  /// traced as packets; no path's result depends on the others.
+  void trace(std::span<Path> paths, RayCounters& counters) const;
 
 private:
   struct Vertex;
 
+  uint32_t meet(std::span<Path* const> paths, bool side_by_side, SolveCounters& counters, Hit* hits) const;
+  uint32_t shadowed(std::span<const Ray> rays, bool side_by_side, SolveCounters& counters) const;
+  Vertex arrive(Path& path, const Hit& hit, int bounce) const;
+  void escape(Path& path, int bounce) const;
+  void add_direct_light(std::span<Vertex> vertices, int bounce, RayCounters& counters) const;
+  bool scatter(Vertex& vertex, int bounce, RayCounters& counters) const;
+
   Vec3 background(const Vec3& direction) const;
-  Vec3 direct_light(const Vertex& vertex, bool competes, Sampler& sampler, RayCounters& counters) const;
   Vec3 escaped(const Vec3& direction, const BsdfSample& scattered) const;
 
   const Tracer& tracer_;
