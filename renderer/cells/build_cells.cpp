@@ -17,8 +17,8 @@ namespace {
 
 /// A cell is dropped as empty or full only by this margin of the threshold: rays are solved in float.
 constexpr double k_margin = 1e-5;
-/// Subtrees with more elements than this are built in parallel.
-constexpr size_t k_parallel_elements = 400;
+/// Subtrees with more elements than this are built in parallel; each level of them copies the cells once.
+constexpr size_t k_parallel_elements = 2000;
 
 class Builder {
 public:
@@ -63,6 +63,9 @@ private:
     }
     std::array<ShapeCells, 8> parts;
     tbb::parallel_for(size_t(0), count, [&](size_t i) { build(children[i], code, depth + 1, parts[i]); });
+    size_t cells = 0, data = 0; // growing step by step would copy what is large
+    for (const ShapeCells& part : parts) cells += part.cells.size(), data += part.blob_data.size();
+    out.cells.reserve(out.cells.size() + cells), out.blob_data.reserve(out.blob_data.size() + data);
     for (size_t i = 0; i < count; ++i) append(parts[i], out);
   }
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "renderer/program/bound_blobs.h"
+
 namespace kelpie {
 
 namespace {
@@ -16,63 +18,17 @@ Box3d box_in_space(const FieldProgram& program, uint32_t space, const Box3d& box
   return {c - e, c + e};
 }
 
-/// Bounds the sum of blobs over a box from the nearest and the farthest point of the box to each centre,
-/// and from the value and slope at the box's centre; keeps those that reach the box. Returns their number.
-/// In float, like the tracer's arithmetic; the cells' tests of emptiness keep a margin for it.
-struct BlobSumBound {
-  Vec3 centre, half;
-  float lo = 0, hi = 0, at_centre = 0, slope = 0;
-
-  /// q^2 (a + b q) at squared distance d2.
-  static float potential(float a, float b, float k, float d2) {
-    const float q = std::max(0.f, 1 - d2 * k);
-    return q * q * (a + b * q);
-  }
-  /// |d potential / d r| with a and b by their absolute values.
-  static float steepness(float a, float b, float k, float d2) {
-    const float q = std::max(0.f, 1 - d2 * k);
-    return 2 * std::sqrt(d2) * k * q * (2 * std::abs(a) + 3 * std::abs(b) * q);
-  }
-
-  bool add(const BlobArrays& s, uint32_t i) {
-    const Vec3 d = glm::abs(Vec3(s.x[i], s.y[i], s.z[i]) - centre);
-    const Vec3 nearest = glm::max(d - half, Vec3(0));
-    const float near2 = glm::dot(nearest, nearest), radius2 = s.radius[i] * s.radius[i];
-    if (near2 >= radius2) return false;
-    const Vec3 farthest = d + half;
-    const float far2 = glm::dot(farthest, farthest);
-    const float a = s.a[i], b = s.b[i], k = s.k[i];
-    const float at_near = potential(a, b, k, near2), at_far = potential(a, b, k, far2);
-    lo += std::min(at_near, at_far), hi += std::max(at_near, at_far);
-    at_centre += potential(a, b, k, glm::dot(d, d));
-    slope += steepest_between(a, b, k, near2, std::min(far2, radius2));
-    return true;
-  }
-
-  /// The slope rises up to u = 1/3 (quartic) or 1/5 (cubic) and falls beyond; a mixture peaks between.
-  static float steepest_between(float a, float b, float k, float near2, float far2) {
-    const float u0 = near2 * k, u1 = far2 * k;
-    if (u1 < 0.2f) return steepness(a, b, k, far2);
-    if (u0 > 1.f / 3) return steepness(a, b, k, near2);
-    return (1.5397f * std::abs(a) + 1.7174f * std::abs(b)) * std::sqrt(k);
-  }
-
-  Interval range() const {
-    const float reach = slope * glm::length(half);
-    return intersect(Interval{lo, hi}, Interval{at_centre - reach, at_centre + reach});
-  }
-};
-
 /// Bounds a step of blobs; appends those that reach the box to `out` and makes the step refer to them.
 Interval bound_blobs(const FieldProgram& program, std::span<const uint32_t> list, Instruction& step, const Box3d& box,
                      std::vector<uint32_t>& out) {
-  BlobSumBound sum;
-  sum.centre = Vec3(box.centre()), sum.half = Vec3(box.extent() * 0.5) * (1 + 1e-6f);
-  step.first = static_cast<uint32_t>(out.size());
-  for (const uint32_t i : list)
-    if (sum.add(program.blobs, i)) out.push_back(i);
-  step.count = static_cast<uint32_t>(out.size()) - step.first;
-  return step.count == 0 ? Interval{0} : sum.range();
+  const size_t first = out.size();
+  size_t count = 0;
+  out.resize(first + list.size() + k_blob_bound_slack);
+  const Interval range =
+      bound_blob_sum(program.blobs, list, Vec3(box.centre()), Vec3(box.extent() * 0.5) * (1 + 1e-6f), out.data() + first, count);
+  out.resize(first + count);
+  step.first = static_cast<uint32_t>(first), step.count = static_cast<uint32_t>(count);
+  return count == 0 ? Interval{0} : range;
 }
 
 template <class Kind>
@@ -181,7 +137,7 @@ private:
 Code bound(const FieldProgram& program, const Code& code, const Box3d& box, std::vector<Interval>& ranges) {
   ranges.clear();
   Code out{code.steps, code.operands, {}};
-  out.blobs.reserve(code.blobs.size());
+  out.blobs.reserve(code.blobs.size() + k_blob_bound_slack);
   for (Instruction& step : out.steps) {
     const Box3d local = box_in_space(program, step.space, box);
     const std::span<const uint32_t> list = std::span(code.blobs).subspan(step.kind == Instruction::Kind::blobs ? step.first : 0);

@@ -1,0 +1,92 @@
+// Lanes are blobs, gathered by their numbers.
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "renderer/program/bound_blobs.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "renderer/program/bound_blobs.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kelpie {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Lanes = hn::CappedTag<float, k_blob_bound_slack>;
+using V = hn::Vec<Lanes>;
+using M = hn::Mask<Lanes>;
+constexpr Lanes k_lanes{};
+constexpr hn::RebindToUnsigned<Lanes> k_number_lanes{};
+constexpr hn::RebindToSigned<Lanes> k_index_lanes{};
+constexpr size_t k_width = hn::MaxLanes(Lanes{});
+
+inline V set(float v) { return hn::Set(k_lanes, v); }
+inline V length2(V x, V y, V z) { return hn::Add(hn::Mul(x, x), hn::Add(hn::Mul(y, y), hn::Mul(z, z))); }
+
+/// The potential q^2 (a + b q) of some blobs, q = 1 - k d^2, and |its slope|, with a and b by their absolute values.
+struct Potentials {
+  V a, b, k;
+
+  V q(V d2) const { return hn::Max(hn::Zero(k_lanes), hn::Sub(set(1), hn::Mul(d2, k))); }
+  V at(V d2) const {
+    const V s = q(d2);
+    return hn::Mul(hn::Mul(s, s), hn::Add(a, hn::Mul(b, s)));
+  }
+  V slope(V d2) const {
+    const V s = q(d2), bend = hn::Add(hn::Mul(set(2), hn::Abs(a)), hn::Mul(hn::Mul(set(3), hn::Abs(b)), s));
+    return hn::Mul(hn::Mul(hn::Mul(set(2), hn::Sqrt(d2)), hn::Mul(k, s)), bend);
+  }
+  /// The slope rises up to u = 1/3 (quartic) or 1/5 (cubic) and falls beyond; a mixture peaks between.
+  V steepest_between(V near2, V far2) const {
+    const V peak = hn::Mul(hn::Add(hn::Mul(set(1.5397f), hn::Abs(a)), hn::Mul(set(1.7174f), hn::Abs(b))), hn::Sqrt(k));
+    const M rising = hn::Lt(hn::Mul(far2, k), set(0.2f)), falling = hn::Gt(hn::Mul(near2, k), set(1.f / 3));
+    return hn::IfThenElse(hn::Or(rising, falling), slope(hn::IfThenElse(rising, far2, near2)), peak);
+  }
+};
+
+Interval BoundBlobSum(const BlobArrays& s, std::span<const uint32_t> list, const Vec3& centre, const Vec3& half, uint32_t* kept,
+                      size_t& count) {
+  V lo = hn::Zero(k_lanes), hi = lo, at_centre = lo, slope = lo;
+  count = 0;
+  for (size_t i = 0; i < list.size(); i += k_width) {
+    const auto is_one = hn::FirstN(k_number_lanes, list.size() - i);
+    const auto numbers = hn::MaskedLoad(is_one, k_number_lanes, list.data() + i); // past the end: blob 0, left out below
+    const auto index = hn::BitCast(k_index_lanes, numbers);
+    const auto gather = [&](const std::vector<float>& values) { return hn::GatherIndex(k_lanes, values.data(), index); };
+    const V dx = hn::Abs(hn::Sub(gather(s.x), set(centre.x))), dy = hn::Abs(hn::Sub(gather(s.y), set(centre.y))),
+            dz = hn::Abs(hn::Sub(gather(s.z), set(centre.z)));
+    const V zero = hn::Zero(k_lanes), hx = set(half.x), hy = set(half.y), hz = set(half.z);
+    const V near2 = length2(hn::Max(hn::Sub(dx, hx), zero), hn::Max(hn::Sub(dy, hy), zero), hn::Max(hn::Sub(dz, hz), zero));
+    const V radius = gather(s.radius), radius2 = hn::Mul(radius, radius);
+    const M reaches = hn::And(hn::RebindMask(k_lanes, is_one), hn::Lt(near2, radius2));
+    if (hn::AllFalse(k_lanes, reaches)) continue;
+    count += hn::CompressStore(numbers, hn::RebindMask(k_number_lanes, reaches), k_number_lanes, kept + count);
+    const V far2 = length2(hn::Add(dx, hx), hn::Add(dy, hy), hn::Add(dz, hz));
+    const Potentials blobs{gather(s.a), gather(s.b), gather(s.k)};
+    const V at_near = blobs.at(near2), at_far = blobs.at(far2);
+    const auto add = [&](V& sum, V term) { sum = hn::Add(sum, hn::IfThenElseZero(reaches, term)); };
+    add(lo, hn::Min(at_near, at_far)), add(hi, hn::Max(at_near, at_far));
+    add(at_centre, blobs.at(length2(dx, dy, dz)));
+    add(slope, blobs.steepest_between(near2, hn::Min(far2, radius2)));
+  }
+  const auto total = [](V v) { return hn::GetLane(hn::SumOfLanes(k_lanes, v)); };
+  const float reach = total(slope) * glm::length(half), middle = total(at_centre);
+  return intersect(Interval{total(lo), total(hi)}, Interval{middle - reach, middle + reach});
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace kelpie
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kelpie {
+
+HWY_EXPORT(BoundBlobSum);
+
+Interval bound_blob_sum(const BlobArrays& blobs, std::span<const uint32_t> list, const Vec3& centre, const Vec3& half, uint32_t* kept,
+                        size_t& count) {
+  return HWY_DYNAMIC_DISPATCH(BoundBlobSum)(blobs, list, centre, half, kept, count);
+}
+
+} // namespace kelpie
+#endif
