@@ -14,6 +14,7 @@
 #include <hwy/highway.h>
 
 #include <array>
+#include <cmath>
 
 #include "renderer/trace/solve.h"
 
@@ -138,7 +139,7 @@ public:
 private:
   /// Fills the list of active blobs; returns upper bounds of the field on the segments.
   V set_up(const float* blobs, size_t n, const V3& m, const V3& d, M live) {
-    for (LaneBlobs& half : active_) half.reserve(n), half.count = 0;
+    for (LaneBlobs& half : active_) half.reserve(n + 1), half.count = 0;
     const V zero = hn::Zero(k_lanes), minus_half = hn::Neg(half_);
     V curvature = zero, most = zero;
     for (size_t i = 0; i < n && blobs[3 * n + i] > 0; ++i) { // what pads the list has s < 0
@@ -151,33 +152,34 @@ private:
       const V off = hn::Sub(hn::Min(hn::Max(along, minus_half), half_), along);
       const V q = hn::NegMulAdd(k, hn::Mul(off, off), a);
       const auto reaches = hn::And(live, hn::Gt(q, zero));
-      if (none(reaches)) continue;
-      const V r = hn::Sqrt(k);
+      const float r = std::sqrt(blobs[4 * n + i]);
       // Where a lane does not meet the blob, it must not make a difference whether another does: q < 0 there.
-      push(active_[i % 2], hn::IfThenElse(reaches, a, set(-1)), hn::IfThenElseZero(reaches, hn::Mul(r, along)), r);
+      LaneBlobs& list = active_[i % 2];
+      put(list, hn::IfThenElse(reaches, a, set(-1)), hn::IfThenElseZero(reaches, hn::Mul(set(r), along)), r);
       if constexpr (Pure) {
         curvature = hn::Add(curvature, hn::IfThenElseZero(reaches, hn::Mul(s, k)));
         most = hn::Add(most, hn::IfThenElseZero(reaches, hn::Mul(q, q)));
       } else {
         const float w = blobs[5 * n + i], v = blobs[6 * n + i];
-        active_[i % 2].w[active_[i % 2].count - 1] = w, active_[i % 2].v[active_[i % 2].count - 1] = v;
+        list.w[list.count] = w, list.v[list.count] = v;
         const float bend = std::max(4 * w, -8 * w) + std::max(6 * v, -4.8f * v);
         curvature = hn::Add(curvature, hn::IfThenElseZero(reaches, hn::Mul(set(bend), k)));
         const V peak = hn::Mul(hn::Mul(q, q), hn::MulAdd(set(v), q, set(w)));
         most = hn::Add(most, hn::IfThenElseZero(reaches, hn::Max(peak, zero)));
       }
+      list.count += !none(reaches); // as a branch it is often mispredicted: 12 to 20 % of the ray's time
     }
     for (int i : {0, 1}) // so that they may be read in pairs
-      while (active_[i].count < active_[1 - i].count) push(active_[i], set(-1), zero, zero);
+      for (; active_[i].count < active_[1 - i].count; ++active_[i].count) put(active_[i], set(-1), zero, 0);
     curvature_ = hn::Mul(set(Pure ? 4.0004f : 1.0001f), curvature);
     return most;
   }
 
-  static void push(LaneBlobs& list, V a, V e, V r) {
+  /// Writes behind the last blob.
+  static void put(LaneBlobs& list, V a, V e, float r) {
     hn::Store(a, k_lanes, list.ae.get() + 2 * k_width * list.count);
     hn::Store(e, k_lanes, list.ae.get() + 2 * k_width * list.count + k_width);
-    list.r[list.count] = hn::GetLane(r), list.w[list.count] = list.v[list.count] = 0;
-    ++list.count;
+    list.r[list.count] = r, list.w[list.count] = list.v[list.count] = 0;
   }
 
   static V term(const LaneBlobs& list, size_t i, V s, V f) {
