@@ -123,6 +123,15 @@ inline Dual<Interval, N> sqrt(const Dual<Interval, N>& a) {
   return chain(a, s, s.lo > 0 ? Interval{0.5 / s.hi, 0.5 / s.lo} : Interval::everything());
 }
 
+template <class T, int N>
+inline Dual<T, N> cos(const Dual<T, N>& a) {
+  return chain(a, cos(a.value), -sin(a.value));
+}
+template <class T, int N>
+inline Dual<T, N> sin(const Dual<T, N>& a) {
+  return chain(a, sin(a.value), cos(a.value));
+}
+
 /// `max(0, x)` and friends with a plain number on one side.
 template <class T, int N>
 constexpr Dual<T, N> max(double a, const Dual<T, N>& b) {

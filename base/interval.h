@@ -54,11 +54,26 @@ constexpr Interval square(Interval a) {
 }
 inline Interval sqrt(Interval a) { return {std::sqrt(std::max(a.lo, 0.0)), std::sqrt(std::max(a.hi, 0.0))}; }
 
+/// Exact: 1 and -1 are reached at the multiples of pi.
+inline Interval cos(Interval a) {
+  constexpr double k_pi = 3.14159265358979323846;
+  if (!(a.width() < 2 * k_pi)) return {-1, 1};
+  const double p = std::cos(a.lo), q = std::cos(a.hi), n = std::ceil(a.lo / k_pi);
+  Interval r{std::min(p, q), std::max(p, q)};
+  if (n * k_pi > a.hi) return r;
+  if ((n + 1) * k_pi <= a.hi) return {-1, 1};
+  (std::fmod(n, 2) == 0 ? r.hi : r.lo) = std::fmod(n, 2) == 0 ? 1 : -1;
+  return r;
+}
+inline Interval sin(Interval a) { return cos(a - Interval(1.57079632679489661923)); }
+
 // The same names for plain numbers, so that one template serves both.
 constexpr double max(double a, double b) { return a > b ? a : b; }
 constexpr double min(double a, double b) { return a < b ? a : b; }
 constexpr double square(double a) { return a * a; }
 inline double sqrt(double a) { return std::sqrt(a); }
+inline double cos(double a) { return std::cos(a); }
+inline double sin(double a) { return std::sin(a); }
 
 /// Whether a > b, or a < b, throughout.
 constexpr bool surely_greater(double a, double b) { return a > b; }

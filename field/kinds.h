@@ -4,7 +4,10 @@
 #include "field/clouds/blobs.h"
 #include "field/operators/blend.h"
 #include "field/operators/difference.h"
+#include "field/operators/hyper_blend.h"
 #include "field/operators/intersection.h"
+#include "field/operators/local_blend.h"
+#include "field/operators/r_functions.h"
 #include "field/operators/union.h"
 #include "field/skeletons/cone_sphere.h"
 #include "field/skeletons/disc.h"
@@ -12,6 +15,7 @@
 #include "field/skeletons/segment.h"
 #include "field/skeletons/torus.h"
 #include "field/warps/affine.h"
+#include "field/warps/twist.h"
 
 namespace kelpie {
 
@@ -26,9 +30,15 @@ using FieldFolderKinds = KindList< //
     Union,                         //
     Intersection,                  //
     Difference,                    //
+    HyperBlend,                    //
+    LocalBlend,                    //
+    RUnion,                        //
+    RIntersection,                 //
+    RDifference,                   //
     Translate,                     //
     Rotate,                        //
-    Scale>;
+    Scale,                         //
+    Twist>;
 
 // What a sampled kind can be asked, and so how the engine treats it:
 
@@ -47,13 +57,22 @@ concept Skeleton = requires(const K k, Point3<double> p, Point3<Interval> b) {
 /// Joins the values of its children.
 template <class K>
 concept Operator = requires(const K k, std::span<const double> f, std::span<const Interval> i) {
-  k.combine(f, 1.0);
-  k.combine(i, 1.0);
+  k.combine(f, 1.0, Demand::value);
+  k.combine(i, 1.0, Demand::value);
 };
 /// Moves the space of its child affinely.
 template <class K>
 concept AffineWarp = requires(const K k) {
   k.parent_from_child();
+};
+/// Moves the space of its child in any other way: both directions, for every number type, and a box around
+/// the image of a box.
+template <class K>
+concept Warp = requires(const K k, Point3<double> p, Point3<Interval> b) {
+  k.child_from_parent(p);
+  k.child_from_parent(b);
+  k.parent_from_child(p);
+  k.image_of(Box3d{});
 };
 
 } // namespace kelpie

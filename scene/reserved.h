@@ -29,7 +29,6 @@ inline constexpr std::array k_reserved{
     Reserved{ReservedAs::kind, "field", "tetrahedron"},
     Reserved{ReservedAs::kind, "field", "prism"},
     Reserved{ReservedAs::kind, "field", "polyhedron"},
-    Reserved{ReservedAs::kind, "field", "twist"},
     Reserved{ReservedAs::kind, "field", "taper"},
     Reserved{ReservedAs::kind, "field", "bend"},
     Reserved{ReservedAs::kind, "field", "axial"},

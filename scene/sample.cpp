@@ -34,6 +34,7 @@ unsigned sample_tree(const FieldNode& node, double frame, SampledField& out) {
         if constexpr (requires { animated.children; })
           for (const FieldPtr& child : animated.children) sampled.children.push_back(sample_tree(*child, frame, out));
         if constexpr (requires { animated.child; }) sampled.child = sample_tree(*animated.child, frame, out);
+        if constexpr (requires { animated.region; }) sampled.region = sample_tree(*animated.region, frame, out);
         out.nodes.emplace_back(std::move(sampled));
         return static_cast<unsigned>(out.nodes.size() - 1);
       },

@@ -123,7 +123,7 @@ TEST(Conformance, TablesAreSound) {
 TEST(Conformance, EveryKindOfFieldIsOneTheEngineKnows) {
   for_each_field_kind([]<template <class> class Kind>() {
     using K = Kind<SampledMode>;
-    EXPECT_EQ(int(BlobSource<K>) + int(Skeleton<K>) + int(Operator<K>) + int(AffineWarp<K>), 1);
+    EXPECT_EQ(int(BlobSource<K>) + int(Skeleton<K>) + int(Operator<K>) + int(AffineWarp<K>) + int(Warp<K>), 1);
   });
 }
 
@@ -267,40 +267,41 @@ void for_each_operator(Test&& test) {
         SCOPED_TRACE(trial);
         Random r(trial);
         const Kind<SampledMode> kind = random_kind<Kind>(r);
-        test(kind, Operands(r), r);
+        test(kind, Operands(r), trial % 2 ? Demand::value : Demand::sign, r);
       }
   });
 }
 
 TEST(Conformance, OperatorsBoundTheirValues) {
-  for_each_operator([](const auto& kind, const Operands& operands, Random& r) {
-    const Interval range = kind.combine(std::span<const Interval>(operands.ranges), operands.threshold);
+  for_each_operator([](const auto& kind, const Operands& operands, Demand mine, Random& r) {
+    const Interval range = kind.combine(std::span<const Interval>(operands.ranges), operands.threshold, mine);
     for (int i = 0; i < 20; ++i) {
       const std::vector<double> f = operands.sample(r);
-      EXPECT_TRUE(holds(range, kind.combine(std::span<const double>(f), operands.threshold)));
+      EXPECT_TRUE(holds(range, kind.combine(std::span<const double>(f), operands.threshold, mine)));
     }
   });
 }
 
 TEST(Conformance, OperatorsDifferentiate) {
   int kinks = 0;
-  for_each_operator([&](const auto& kind, const Operands& operands, Random& r) {
+  for_each_operator([&](const auto& kind, const Operands& operands, Demand mine, Random& r) {
     const std::vector<double> f = operands.sample(r);
     const auto along = [&](const Vec3d& p) { // operands that move linearly with three variables
       std::vector<double> moved = f;
       for (size_t i = 0; i < f.size(); ++i) moved[i] += p[i % 3] * double(1 + i);
-      return kind.combine(std::span<const double>(moved), operands.threshold);
+      return kind.combine(std::span<const double>(moved), operands.threshold, mine);
     };
     std::vector<Gradient> duals;
     for (size_t i = 0; i < f.size(); ++i) duals.push_back(Gradient(f[i]) + Gradient::variable(0, int(i % 3)) * double(1 + i));
-    expect_gradient(along, kind.combine(std::span<const Gradient>(duals), operands.threshold), Vec3d(0), kinks);
+    expect_gradient(along, kind.combine(std::span<const Gradient>(duals), operands.threshold, mine), Vec3d(0), kinks);
   });
 }
 
 // What is pruned cannot matter: the value is the same, or where only the side is asked for, the side.
 TEST(Conformance, OperatorsKeepWhatMatters) {
-  for_each_operator([](const auto& kind, const Operands& operands, Random& r) {
-    for (const Demand demand : {Demand::value, Demand::sign}) {
+  for_each_operator([](const auto& kind, const Operands& operands, Demand mine, Random& r) {
+    for (const Demand demand : {Demand::value, Demand::sign}) { // of the cell
+      if (mine < demand) continue;                              // it asks for no more than the whole tree does
       std::vector<char> kept(operands.ranges.size(), true);
       kind.keep(operands.ranges, operands.threshold, demand, kept);
       for (int i = 0; i < 20; ++i) {
@@ -308,8 +309,8 @@ TEST(Conformance, OperatorsKeepWhatMatters) {
         std::vector<double> rest;
         for (size_t k = 0; k < f.size(); ++k)
           if (kept[k]) rest.push_back(f[k]);
-        const double whole = kind.combine(std::span<const double>(f), operands.threshold);
-        const double pruned = rest.empty() ? 0 : kind.combine(std::span<const double>(rest), operands.threshold);
+        const double whole = kind.combine(std::span<const double>(f), operands.threshold, mine);
+        const double pruned = rest.empty() ? 0 : kind.combine(std::span<const double>(rest), operands.threshold, mine);
         if (demand == Demand::value && !rest.empty()) {
           EXPECT_NEAR(whole, pruned, 1e-12);
         } else if (demand == Demand::value) {
@@ -338,6 +339,35 @@ TEST(Conformance, AffineWarpsInvert) {
           EXPECT_LT(glm::distance(back(q), p), 1e-10);
           EXPECT_LT(glm::distance((back * forward)(p), p), 1e-10);
           EXPECT_TRUE(holds(range.x, q.x) && holds(range.y, q.y) && holds(range.z, q.z));
+        }
+      }
+  });
+}
+
+TEST(Conformance, WarpsInvertAndBoundTheirImages) {
+  for_each_field_kind([&]<template <class> class Kind>() {
+    if constexpr (Warp<Kind<SampledMode>>)
+      for (unsigned trial = 0; trial < 2 * k_trials; ++trial) {
+        SCOPED_TRACE(trial);
+        Random r(trial);
+        auto kind = random_kind<Kind>(r);
+        if constexpr (requires { kind.rate; }) kind.rate *= 100; // degrees
+        const Box3d box = random_box(r, {Vec3d(-2), Vec3d(2)}), image = kind.image_of(box).padded(1e-9);
+        const Point3<Interval> range = kind.child_from_parent(box_point(box));
+        const Point3<GradientRange> slopes = kind.child_from_parent(variables(box));
+        for (int i = 0; i < 20; ++i) {
+          const Vec3d p = r.in(box);
+          const Point3<double> q = kind.child_from_parent(point<double>(p)), back = kind.parent_from_child(q),
+                               moved = kind.parent_from_child(point<double>(p));
+          EXPECT_LT(glm::distance(Vec3d(back.x, back.y, back.z), p), 1e-9);
+          EXPECT_TRUE(image.contains(Vec3d(moved.x, moved.y, moved.z)));
+          EXPECT_TRUE(holds(range.x, q.x) && holds(range.y, q.y) && holds(range.z, q.z));
+          const Point3<Gradient> g = kind.child_from_parent(variables(p));
+          for (int axis = 0; axis < 3; ++axis)
+            EXPECT_TRUE(holds(slopes.x.d[axis], g.x.d[axis], 1e-9) && holds(slopes.y.d[axis], g.y.d[axis], 1e-9) &&
+                        holds(slopes.z.d[axis], g.z.d[axis], 1e-9));
+          int kinks = 0;
+          expect_gradient([&](const Vec3d& at) { return kind.child_from_parent(point<double>(at)).x; }, g.x, p, kinks);
         }
       }
   });

@@ -55,12 +55,16 @@ struct Makers {
         warps.push_back([](Random& r, SampledField& field, unsigned child) {
           K k = random_kind<Kind>(r);
           k.child = child;
+          if constexpr (requires { k.rate; }) k.rate *= 60; // degrees
+          if constexpr (requires { k.length; }) k.length = r.below(2) ? k.length : 0;
           return add(field, k);
         });
       else if constexpr (Operator<K>)
         operators.push_back([](Random& r, SampledField& field, const Nodes& children) {
           K k = random_kind<Kind>(r);
           k.children = children;
+          if constexpr (requires { k.region; }) k.region = add(field, random_leaf<Disc>(r));
+          if constexpr (requires { k.n; }) k.n = float(r.log_uniform(0.4, 30));
           return add(field, k);
         });
     });

@@ -18,7 +18,7 @@ Source: methods.md section 2.)";
   static constexpr auto parameters() { return std::tuple{parameter("children", &Blend::children, "the fields to add").required()}; }
 
   template <class Real>
-  Real combine(std::span<const Real> f, double /*threshold*/) const {
+  Real combine(std::span<const Real> f, double /*threshold*/, Demand /*mine*/) const {
     Real sum = f[0];
     for (const Real& x : f.subspan(1)) sum = sum + x;
     return sum;

@@ -19,8 +19,10 @@ Clamped at 0, because below 0 it would spoil a blend above it. Source: methods.m
     return std::tuple{parameter("children", &Difference::children, "what to carve, then what to carve away").required()};
   }
 
+  static constexpr bool k_is_clamped = true;
+
   template <class Real>
-  Real combine(std::span<const Real> f, double threshold) const {
+  Real combine(std::span<const Real> f, double threshold, Demand /*mine*/) const {
     Real least = f[0];
     for (const Real& x : f.subspan(1)) least = min(least, Real(2 * threshold) - x);
     return max(Real(0.0), least);

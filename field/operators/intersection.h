@@ -20,7 +20,7 @@ Creased where the surfaces cross. Source: methods.md section 2.)";
   }
 
   template <class Real>
-  Real combine(std::span<const Real> f, double /*threshold*/) const {
+  Real combine(std::span<const Real> f, double /*threshold*/, Demand /*mine*/) const {
     Real least = f[0];
     for (const Real& x : f.subspan(1)) least = min(least, x);
     return least;

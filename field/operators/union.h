@@ -18,7 +18,7 @@ Creased where the surfaces cross. Source: methods.md section 2.)";
   static constexpr auto parameters() { return std::tuple{parameter("children", &Union::children, "the fields to unite").required()}; }
 
   template <class Real>
-  Real combine(std::span<const Real> f, double /*threshold*/) const {
+  Real combine(std::span<const Real> f, double /*threshold*/, Demand /*mine*/) const {
     Real most = f[0];
     for (const Real& x : f.subspan(1)) most = max(most, x);
     return most;

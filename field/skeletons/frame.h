@@ -39,6 +39,12 @@ struct AxisFrame {
     const Point3<Real> q = relative(p);
     return {along(u, q), along(v, q), along(e, q)};
   }
+  /// The point of which q is `local`.
+  template <class Real>
+  Point3<Real> global(const Point3<Real>& q) const {
+    return {u.x * q.x + v.x * q.y + e.x * q.z + Real(origin.x), u.y * q.x + v.y * q.y + e.y * q.z + Real(origin.y),
+            u.z * q.x + v.z * q.y + e.z * q.z + Real(origin.z)};
+  }
 };
 
 /// In float, with nothing of the box lost to rounding.

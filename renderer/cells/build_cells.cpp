@@ -140,7 +140,7 @@ private:
   double smallest_radius(const Code& code) const {
     double least = std::numeric_limits<double>::infinity();
     for (const Instruction& step : code.steps) {
-      const double scale = step.space == 0 ? 1 : smallest_scale(program_.spaces[step.space]);
+      const double scale = smallest_scale(step.space);
       if (step.kind == Instruction::Kind::blobs)
         for (uint32_t j = 0; j < step.count; ++j) least = std::min(least, scale * program_.blobs.radius[code.blobs[step.first + j]]);
       else if (step.kind == Instruction::Kind::skeleton)
@@ -161,12 +161,16 @@ private:
         program_.field.nodes[node]);
   }
 
-  /// A lower bound of what the map from a space to the world does to lengths (the Frobenius norm of the
-  /// inverse bounds its largest singular value).
-  static double smallest_scale(const Affine& local_from_world) {
-    double sum = 0;
-    for (int i = 0; i < 3; ++i) sum += glm::dot(local_from_world.linear[i], local_from_world.linear[i]);
-    return 1 / std::sqrt(sum);
+  /// A lower bound of what the affine maps from a space to the world do to lengths (the Frobenius norm of
+  /// the inverse bounds its largest singular value). Warps that are not affine count as if they kept lengths:
+  /// this only chooses the size of cells and the offset of secondary rays.
+  double smallest_scale(uint32_t space) const {
+    double scale = 1;
+    for (uint32_t i = space; i != 0; i = program_.spaces[i].parent) {
+      const Mat3d& m = program_.spaces[i].local_from_parent.linear;
+      if (m != Mat3d(1.0)) scale /= std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
+    }
+    return scale;
   }
 
   const FieldProgram& program_;

@@ -8,15 +8,66 @@ namespace kelpie {
 
 namespace {
 
-/// The box, seen from a space: an axis-aligned box around its image.
-Box3d box_in_space(const FieldProgram& program, uint32_t space, const Box3d& box) {
-  if (space == 0) return box;
-  const Affine& f = program.spaces[space];
-  const Vec3d c = f(box.centre()), h = box.extent() * 0.5;
-  Vec3d e(0);
-  for (int i = 0; i < 3; ++i) e += glm::abs(f.linear[i]) * h[i];
-  return {c - e, c + e};
+using Variable = Dual<Interval, 3>;
+
+/// A box of the world, seen from a space.
+struct LocalBox {
+  Box3d box;          ///< around its image
+  Vec3d centre, half; ///< the image of its centre, and how far the variables reach either way
+  Point3<Variable> p; ///< the coordinates in `box`, as functions of three variables
+};
+
+LocalBox local_box(const Box3d& box) {
+  const auto variable = [&](int i) { return Variable::variable({box.lower[i], box.upper[i]}, i); };
+  return {box, box.centre(), box.extent() * 0.5, {variable(0), variable(1), variable(2)}};
 }
+
+/// Boxes in the spaces of a program, one after the other: a space's steps mostly are neighbours.
+class LocalBoxes {
+public:
+  LocalBoxes(const FieldProgram& program, const Box3d& box) : program_(program), world_(local_box(box)), last_(world_) {}
+
+  const LocalBox& in_space(uint32_t space) {
+    if (space == 0) return world_;
+    if (space == last_space_) return last_;
+    last_space_ = space;
+    last_ = program_.spaces[space].is_affine_in_world() ? through(program_.spaces[space].local_from_parent) : through_warps(space);
+    return last_;
+  }
+
+private:
+  /// The space's own coordinates are the variables.
+  LocalBox through(const Affine& f) const {
+    const Vec3d c = f(world_.centre), h = world_.half;
+    Vec3d e(0);
+    for (int i = 0; i < 3; ++i) e += glm::abs(f.linear[i]) * h[i];
+    return local_box({c - e, c + e});
+  }
+
+  /// The world's coordinates are the variables. The image is bounded by the natural extension, met with the
+  /// mean-value form.
+  LocalBox through_warps(uint32_t space) {
+    LocalBox out = world_;
+    SpacePoints<Variable> points;
+    SpacePoints<double> centres;
+    points.begin(program_), centres.begin(program_);
+    out.p = points.at(program_, space, world_.p);
+    const Point3<double> c = centres.at(program_, space, {world_.centre.x, world_.centre.y, world_.centre.z});
+    out.centre = {c.x, c.y, c.z};
+    Variable* coordinates[] = {&out.p.x, &out.p.y, &out.p.z};
+    for (int i = 0; i < 3; ++i) {
+      Variable& x = *coordinates[i];
+      const double reach = x.d[0].magnitude() * out.half.x + x.d[1].magnitude() * out.half.y + x.d[2].magnitude() * out.half.z;
+      if (std::isfinite(reach)) x.value = intersect(x.value, Interval{out.centre[i] - reach, out.centre[i] + reach});
+      out.box.lower[i] = x.value.lo, out.box.upper[i] = x.value.hi;
+    }
+    return out;
+  }
+
+  const FieldProgram& program_;
+  LocalBox world_, last_;
+  uint32_t last_space_ = 0;
+};
 
 /// Bounds a step of blobs; appends those that reach the box to `out` and makes the step refer to them.
 Interval bound_blobs(const FieldProgram& program, std::span<const uint32_t> list, Instruction& step, const Box3d& box,
@@ -32,19 +83,16 @@ Interval bound_blobs(const FieldProgram& program, std::span<const uint32_t> list
 }
 
 template <class Kind>
-Interval bound_skeleton(const Kind& kind, const Box3d& box) {
-  const Vec3d c = box.centre(), h = box.extent() * 0.5;
+Interval bound_skeleton(const Kind& kind, const LocalBox& at) {
   const Box3d support{Vec3d(kind.support().lower), Vec3d(kind.support().upper)};
-  if (intersect(support, box).is_empty()) return 0.0;
-  using D = Dual<Interval, 3>;
-  const auto variable = [&](int i) { return D::variable({box.lower[i], box.upper[i]}, i); };
-  const D f = kind.potential(Point3<D>{variable(0), variable(1), variable(2)});
-  const double at_centre = kind.potential(Point3<double>{c.x, c.y, c.z});
-  const double reach = f.d[0].magnitude() * h.x + f.d[1].magnitude() * h.y + f.d[2].magnitude() * h.z;
+  if (intersect(support, at.box).is_empty()) return 0.0;
+  const Variable f = kind.potential(at.p);
+  const double at_centre = kind.potential(Point3<double>{at.centre.x, at.centre.y, at.centre.z});
+  const double reach = f.d[0].magnitude() * at.half.x + f.d[1].magnitude() * at.half.y + f.d[2].magnitude() * at.half.z;
   return std::isfinite(reach) ? intersect(f.value, Interval{at_centre - reach, at_centre + reach}) : f.value;
 }
 
-Interval bound_node(const FieldProgram& program, const Code& code, const Instruction& step, const Box3d& box,
+Interval bound_node(const FieldProgram& program, const Code& code, const Instruction& step, const LocalBox& at,
                     std::span<const Interval> ranges) {
   return std::visit(
       [&](const auto& kind) -> Interval {
@@ -52,9 +100,9 @@ Interval bound_node(const FieldProgram& program, const Code& code, const Instruc
         if constexpr (Operator<K>) {
           std::vector<Interval> operands;
           for (uint32_t i = 0; i < step.count; ++i) operands.push_back(ranges[code.operands[step.first + i]]);
-          return kind.combine(std::span<const Interval>(operands), program.threshold);
+          return kind.combine(std::span<const Interval>(operands), program.threshold, step.demand);
         } else if constexpr (Skeleton<K>) {
-          return bound_skeleton(kind, box);
+          return bound_skeleton(kind, at);
         } else {
           return 0.0;
         }
@@ -86,10 +134,11 @@ private:
     std::vector<uint32_t> positions;
     for (uint32_t i = 0; i < step.count; ++i)
       if (kept[i]) positions.push_back(emit(code_.operands[step.first + i], below));
-    // A lone operand is the result; only a difference clamps it at 0, which no sign depends on.
+    // A lone operand is the result; some operators clamp it at 0, which no sign depends on.
     if (count == 1) {
       const auto i = static_cast<size_t>(std::find(kept.begin(), kept.end(), char(true)) - kept.begin());
-      const bool passes = demand == Demand::sign || !std::is_same_v<Kind, Difference<SampledMode>> || operands[i].lo >= 0;
+      const bool passes = demand == Demand::sign || !requires { Kind::k_is_clamped; }
+      || operands[i].lo >= 0;
       if (passes) return positions[0];
     }
     Instruction out = step;
@@ -138,10 +187,11 @@ Code bound(const FieldProgram& program, const Code& code, const Box3d& box, std:
   ranges.clear();
   Code out{code.steps, code.operands, {}};
   out.blobs.reserve(code.blobs.size() + k_blob_bound_slack);
+  LocalBoxes boxes(program, box);
   for (Instruction& step : out.steps) {
-    const Box3d local = box_in_space(program, step.space, box);
+    const LocalBox& local = boxes.in_space(step.space);
     const std::span<const uint32_t> list = std::span(code.blobs).subspan(step.kind == Instruction::Kind::blobs ? step.first : 0);
-    ranges.push_back(step.kind == Instruction::Kind::blobs ? bound_blobs(program, list.first(step.count), step, local, out.blobs)
+    ranges.push_back(step.kind == Instruction::Kind::blobs ? bound_blobs(program, list.first(step.count), step, local.box, out.blobs)
                                                            : bound_node(program, code, step, local, ranges));
   }
   return out;

@@ -39,59 +39,70 @@ Box3d map(const Affine& f, const Box3d& box) {
 
 class Compiler {
 public:
-  explicit Compiler(FieldProgram& out) : out_(out) { out_.spaces.push_back(Affine{}); }
+  explicit Compiler(FieldProgram& out) : out_(out) { out_.spaces.push_back({}); }
 
   void run() {
     Sum sum;
-    add_to_sum(static_cast<uint32_t>(out_.field.nodes.size() - 1), Affine{}, sum);
+    add_to_sum(static_cast<uint32_t>(out_.field.nodes.size() - 1), View{}, Demand::sign, sum);
     finish(sum);
   }
 
 private:
+  /// How a node sees the world: through an affine map from a space (the world, or that of a warp).
+  struct View {
+    uint32_t space = 0;
+    Affine space_from_here{};
+  };
+
   /// A blend in the making: blobs by the space they live in, and everything else.
   struct Sum {
     std::vector<std::pair<uint32_t, std::vector<uint32_t>>> blobs;
     std::vector<uint32_t> others; ///< positions of steps
   };
 
-  /// Adds the subtree at `node`, seen through `world_from_here`, to a sum: blends are flattened.
-  void add_to_sum(uint32_t node, const Affine& world_from_here, Sum& sum) {
+  /// Adds the subtree at `node`, with its view, to a sum: blends are flattened.
+  void add_to_sum(uint32_t node, const View& view, Demand demand, Sum& sum) {
     std::visit(
         [&](const auto& kind) {
           using K = std::decay_t<decltype(kind)>;
           if constexpr (std::is_same_v<K, Blend<SampledMode>>) {
             blend_ = node;
-            for (uint32_t child : kind.children) add_to_sum(child, world_from_here, sum);
+            const Demand below = kind.demand_of_operands(demand, kind.children.size());
+            for (uint32_t child : kind.children) add_to_sum(child, view, below, sum);
           } else if constexpr (AffineWarp<K>) {
-            add_to_sum(kind.child, world_from_here * kind.parent_from_child(), sum);
+            add_to_sum(kind.child, {view.space, view.space_from_here * kind.parent_from_child()}, demand, sum);
+          } else if constexpr (Warp<K>) {
+            add_to_sum(kind.child, {push_space({view.space, inverse(view.space_from_here), node}), {}}, demand, sum);
           } else if constexpr (BlobSource<K>) {
             BlobCloud cloud;
             kind.append_blobs(cloud);
-            add_blobs(cloud, world_from_here, sum);
+            add_blobs(cloud, view, sum);
           } else if constexpr (Skeleton<K>) {
-            add_skeleton(node, kind.support(), world_from_here, sum);
+            add_skeleton(node, kind.support(), view, sum);
           } else {
+            const std::vector<uint32_t> children = operands_of(kind);
+            const Demand below = kind.demand_of_operands(demand, children.size());
             std::vector<uint32_t> operands;
-            for (uint32_t child : kind.children) {
+            for (uint32_t child : children) {
               Sum operand;
-              add_to_sum(child, world_from_here, operand);
+              add_to_sum(child, view, below, operand);
               operands.push_back(finish(operand));
             }
-            sum.others.push_back(emit_combine(node, operands));
+            sum.others.push_back(emit_combine(node, operands, demand));
           }
         },
         out_.field.nodes[node]);
   }
 
-  void add_blobs(const BlobCloud& cloud, const Affine& world_from_here, Sum& sum) {
-    const std::optional<double> scale = similarity_scale(world_from_here.linear);
-    const uint32_t space = scale ? 0 : space_of(world_from_here);
+  void add_blobs(const BlobCloud& cloud, const View& view, Sum& sum) {
+    const std::optional<double> scale = similarity_scale(view.space_from_here.linear);
+    const uint32_t space = scale ? view.space : space_of(view);
     std::vector<uint32_t>& list = list_of(sum, space);
     for (Blob blob : cloud) {
       if (blob.weight == 0) continue;
-      extend_support(world_from_here, support(blob));
+      extend_support(view, support(blob));
       if (scale) {
-        blob.centre = Vec3(world_from_here(Vec3d(blob.centre)));
+        blob.centre = Vec3(view.space_from_here(Vec3d(blob.centre)));
         blob.radius = static_cast<float>(blob.radius * *scale);
       }
       list.push_back(static_cast<uint32_t>(out_.blobs.size()));
@@ -99,9 +110,9 @@ private:
     }
   }
 
-  void add_skeleton(uint32_t node, const Box3& box, const Affine& world_from_here, Sum& sum) {
-    extend_support(world_from_here, box);
-    Instruction step{Instruction::Kind::skeleton, node, space_of(world_from_here), 0, 0};
+  void add_skeleton(uint32_t node, const Box3& box, const View& view, Sum& sum) {
+    extend_support(view, box);
+    Instruction step{Instruction::Kind::skeleton, node, space_of(view), 0, 0, Demand::value};
     sum.others.push_back(emit(step));
   }
 
@@ -111,18 +122,18 @@ private:
     for (const auto& group : sum.blobs) {
       const auto first = static_cast<uint32_t>(out_.code.blobs.size());
       out_.code.blobs.insert(out_.code.blobs.end(), group.second.begin(), group.second.end());
-      terms.push_back(emit({Instruction::Kind::blobs, 0, group.first, first, static_cast<uint32_t>(group.second.size())}));
+      terms.push_back(emit({Instruction::Kind::blobs, 0, group.first, first, static_cast<uint32_t>(group.second.size()), Demand::value}));
     }
     terms.insert(terms.end(), sum.others.begin(), sum.others.end());
     if (terms.empty()) return emit({}); // only blobs of weight 0
     if (terms.size() == 1) return terms[0];
-    return emit_combine(*blend_, terms); // several terms come from a blend only
+    return emit_combine(*blend_, terms, Demand::value); // several terms come from a blend only
   }
 
-  uint32_t emit_combine(uint32_t node, const std::vector<uint32_t>& operands) {
+  uint32_t emit_combine(uint32_t node, const std::vector<uint32_t>& operands, Demand demand) {
     const auto first = static_cast<uint32_t>(out_.code.operands.size());
     out_.code.operands.insert(out_.code.operands.end(), operands.begin(), operands.end());
-    return emit({Instruction::Kind::combine, node, 0, first, static_cast<uint32_t>(operands.size())});
+    return emit({Instruction::Kind::combine, node, 0, first, static_cast<uint32_t>(operands.size()), demand});
   }
 
   uint32_t emit(Instruction step) {
@@ -136,14 +147,34 @@ private:
     return sum.blobs.emplace_back(space, std::vector<uint32_t>{}).second;
   }
 
-  uint32_t space_of(const Affine& world_from_here) {
-    if (world_from_here.linear == Mat3d(1.0) && world_from_here.offset == Vec3d(0.0)) return 0;
-    out_.spaces.push_back(inverse(world_from_here));
+  uint32_t space_of(const View& view) {
+    if (view.space_from_here.linear == Mat3d(1.0) && view.space_from_here.offset == Vec3d(0.0)) return view.space;
+    return push_space({view.space, inverse(view.space_from_here), Space::k_no_warp});
+  }
+
+  /// Siblings mostly come one after the other: the last space is the one to share.
+  uint32_t push_space(const Space& space) {
+    const Space& last = out_.spaces.back();
+    const bool is_last = out_.spaces.size() > 1 && last.parent == space.parent && last.warp == space.warp &&
+                         last.local_from_parent.linear == space.local_from_parent.linear &&
+                         last.local_from_parent.offset == space.local_from_parent.offset;
+    if (!is_last) out_.spaces.push_back(space);
     return static_cast<uint32_t>(out_.spaces.size() - 1);
   }
 
-  void extend_support(const Affine& world_from_here, const Box3& box) {
-    out_.support.extend(map(world_from_here, {Vec3d(box.lower), Vec3d(box.upper)}));
+  void extend_support(const View& view, const Box3& box) {
+    Box3d image = map(view.space_from_here, {Vec3d(box.lower), Vec3d(box.upper)});
+    for (uint32_t i = view.space; i != 0; i = out_.spaces[i].parent) {
+      const Space& space = out_.spaces[i];
+      if (space.warp != Space::k_no_warp)
+        std::visit(
+            [&](const auto& kind) {
+              if constexpr (Warp<std::decay_t<decltype(kind)>>) image = kind.image_of(image);
+            },
+            out_.field.nodes[space.warp]);
+      image = map(inverse(space.local_from_parent), image);
+    }
+    out_.support.extend(image);
   }
 
   FieldProgram& out_;

@@ -28,11 +28,42 @@ Real sum_of_blobs(const BlobArrays& blobs, std::span<const uint32_t> list, const
   return sum;
 }
 
+/// A point of the world in all the spaces of a program, each found when it is first asked for.
+template <class Real>
+class SpacePoints {
+public:
+  /// For the next point.
+  void begin(const FieldProgram& program) {
+    ++now_;
+    if (found_.size() < program.spaces.size()) points_.resize(program.spaces.size()), found_.resize(program.spaces.size(), 0);
+  }
+  const Point3<Real>& at(const FieldProgram& program, uint32_t index, const Point3<Real>& world) {
+    if (index == 0) return world;
+    if (found_[index] == now_) return points_[index];
+    const Space& space = program.spaces[index];
+    Point3<Real>& p = points_[index];
+    p = space.local_from_parent.apply(at(program, space.parent, world));
+    if (space.warp != Space::k_no_warp)
+      std::visit(
+          [&](const auto& kind) {
+            if constexpr (Warp<std::decay_t<decltype(kind)>>) p = kind.child_from_parent(p);
+          },
+          program.field.nodes[space.warp]);
+    found_[index] = now_;
+    return p;
+  }
+
+private:
+  std::vector<Point3<Real>> points_;
+  std::vector<uint64_t> found_; ///< when
+  uint64_t now_ = 0;
+};
+
 /// The value of one step, given those of the steps before it. `operands` is scratch.
 template <class Real>
 Real evaluate_step(const FieldProgram& program, const CodeView& code, const Instruction& step, const Point3<Real>& p,
-                   const std::vector<Real>& values, std::vector<Real>& operands) {
-  const Point3<Real> local = step.space == 0 ? p : program.spaces[step.space].apply(p);
+                   SpacePoints<Real>& spaces, const std::vector<Real>& values, std::vector<Real>& operands) {
+  const Point3<Real>& local = spaces.at(program, step.space, p);
   switch (step.kind) {
   case Instruction::Kind::blobs: return sum_of_blobs(program.blobs, code.blobs.subspan(step.first, step.count), local);
   case Instruction::Kind::skeleton:
@@ -47,7 +78,8 @@ Real evaluate_step(const FieldProgram& program, const CodeView& code, const Inst
     for (uint32_t i = 0; i < step.count; ++i) operands.push_back(values[code.operands[step.first + i]]);
     return std::visit(
         [&](const auto& kind) {
-          if constexpr (Operator<std::decay_t<decltype(kind)>>) return kind.combine(std::span<const Real>(operands), program.threshold);
+          if constexpr (Operator<std::decay_t<decltype(kind)>>)
+            return kind.combine(std::span<const Real>(operands), program.threshold, step.demand);
           return Real(0.0);
         },
         program.field.nodes[step.node]);
@@ -59,8 +91,10 @@ Real evaluate_step(const FieldProgram& program, const CodeView& code, const Inst
 template <class Real>
 Real evaluate(const FieldProgram& program, const CodeView& code, const Point3<Real>& p) {
   thread_local std::vector<Real> values, operands;
+  thread_local SpacePoints<Real> spaces;
   values.clear();
-  for (const Instruction& step : code.steps) values.push_back(evaluate_step(program, code, step, p, values, operands));
+  spaces.begin(program);
+  for (const Instruction& step : code.steps) values.push_back(evaluate_step(program, code, step, p, spaces, values, operands));
   return values.back();
 }
 

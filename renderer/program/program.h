@@ -28,6 +28,7 @@ struct Instruction {
   uint32_t node = 0;  ///< into FieldProgram::field.nodes
   uint32_t space = 0; ///< into FieldProgram::spaces: where the blobs or the skeleton live
   uint32_t first = 0, count = 0;
+  Demand demand = Demand::value; ///< of an operator: what is asked of it in the whole tree
 };
 
 /// Steps in post-order (the last one is the field), with what they refer to.
@@ -37,21 +38,32 @@ struct Code {
   std::vector<uint32_t> blobs;    ///< indices into FieldProgram::blobs
 };
 
+/// Where leaves live. A point of the space is warp(local_from_parent(point of the parent space)).
+struct Space {
+  static constexpr uint32_t k_no_warp = ~0u;
+  uint32_t parent = 0; ///< into FieldProgram::spaces; 0, the world, is its own
+  Affine local_from_parent{};
+  uint32_t warp = k_no_warp; ///< the node of a warp that is not affine, if there is one
+
+  bool is_affine_in_world() const { return parent == 0 && warp == k_no_warp; }
+};
+
 /// The compiled field of one shape. Leaves refer to `field`, so it is held here.
 struct FieldProgram {
   double threshold = 1;
   SampledField field;
   BlobArrays blobs;
-  std::vector<Affine> spaces; ///< local from world; the first is the identity
-  Code code;                  ///< everything, not pruned
-  Box3d support;              ///< the field is at most 0 outside
+  std::vector<Space> spaces; ///< parents before children; the first is the world
+  Code code;                 ///< everything, not pruned
+  Box3d support;             ///< the field is at most 0 outside
 
   /// Number of blobs and skeletons.
   size_t element_count() const;
 };
 
 /// Compiles a sampled field: affine warps are folded into the leaves (into the blobs themselves where the
-/// warp is a similarity), nested blends become one sum, and all blobs of a sum one step.
+/// warp is a similarity), any other warp becomes a space, nested blends become one sum, and all blobs of a
+/// sum in one space one step.
 FieldProgram compile(SampledField field, double threshold);
 
 } // namespace kelpie

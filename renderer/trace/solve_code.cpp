@@ -81,7 +81,7 @@ private:
     const double half = 0.5 * (s.t1 - s.t0), at_middle = g(0.5 * (s.t0 + s.t1));
     if (at_middle + b.d[0].magnitude() * half < 0) return Verdict::none; // mean-value form
     if (b.d[0].hi <= 0) return g(s.t0) >= 0 ? hit(s.t0, t) : Verdict::none;
-    if (b.d[0].lo < 0) return Verdict::split;
+    if (!(b.d[0].lo >= 0)) return Verdict::split;
     const double g0 = g(s.t0);
     if (g0 >= 0) return hit(s.t0, t);
     const double g1 = g(s.t1);

@@ -185,6 +185,7 @@ void for_signs(const Piece& piece, double level, Visit&& visit) {
 }
 
 bool is_piecewise_polynomial(const Node& node) {
+  if (node.kind > Node::Kind::warp) return false;
   return std::all_of(node.leaves.begin(), node.leaves.end(), [](const Leaf& leaf) { return leaf.shape == Leaf::Shape::segment; }) &&
          std::all_of(node.children.begin(), node.children.end(), [](const NodePtr& child) { return is_piecewise_polynomial(*child); });
 }

@@ -64,22 +64,78 @@ double distance(const Leaf& leaf, Vec p) {
   return 0;
 }
 
-double value(const Node& node, Vec p, double threshold) {
-  if (node.kind == Node::Kind::warp) return value(*node.children[0], node.child_from_parent.point(p), threshold);
-  if (node.kind == Node::Kind::leaves) {
+namespace {
+
+/// R-functions, localised (methods.md section 2).
+double r_join(bool is_union, double a, double b, double threshold) {
+  const double sign = is_union ? 1 : -1, scale = 1 / (2 - sign * std::sqrt(2.0));
+  const auto plain = [&](double f, double g) {
+    return threshold + scale * ((f - threshold) + (g - threshold) + sign * std::hypot(f - threshold, g - threshold));
+  };
+  const auto k = [&](double f) { return f < threshold ? (1 - f / threshold) * (1 - f / threshold) : 0.0; };
+  a = std::max(0.0, a), b = std::max(0.0, b);
+  if (is_union) return plain(a, b) + k(a) * (b - plain(0, b)) + k(b) * (a - plain(a, 0));
+  return plain(a, b) - k(a) * plain(0, b) - k(b) * plain(a, 0);
+}
+
+double hyper_blend(const std::vector<double>& f, double n) {
+  const double m = *std::max_element(f.begin(), f.end());
+  if (m <= 0) return 0;
+  double sum = 0;
+  for (const double x : f) sum += x > 0 ? std::pow(x / m, n) : 0;
+  return m * std::pow(sum, 1 / n);
+}
+
+double local_blend(const std::vector<double>& f) {
+  const double region = std::clamp(f.back(), 0.0, 1.0);
+  double sum = 0;
+  for (size_t i = 0; i + 1 < f.size(); ++i) sum += f[i];
+  return region * sum + (1 - region) * *std::max_element(f.begin(), f.end() - 1);
+}
+
+} // namespace
+
+Vec untwisted(const Node& node, Vec p) {
+  const Vec e = node.axis * (1 / length(node.axis)), q = p - node.centre;
+  double height = dot(q, e);
+  if (node.length > 0) height = std::clamp(height, 0.0, node.length);
+  const double angle = -height * node.rate * std::acos(-1.0) / 180, c = std::cos(angle), s = std::sin(angle);
+  const Vec cross{e.y * q.z - e.z * q.y, e.z * q.x - e.x * q.z, e.x * q.y - e.y * q.x};
+  return node.centre + q * c + cross * s + e * (dot(e, q) * (1 - c));
+}
+
+double value(const Node& node, Vec p, double threshold, bool is_below_blend) {
+  using Kind = Node::Kind;
+  if (node.kind == Kind::twist) return value(*node.children[0], untwisted(node, p), threshold, is_below_blend);
+  if (node.kind == Kind::warp) return value(*node.children[0], node.child_from_parent.point(p), threshold, is_below_blend);
+  if (node.kind == Kind::leaves) {
     double sum = 0;
     for (const Leaf& leaf : node.leaves) sum += value(leaf, p);
     return sum;
   }
-  double f = value(*node.children[0], p, threshold);
-  for (size_t i = 1; i < node.children.size(); ++i) {
-    const double g = value(*node.children[i], p, threshold);
-    if (node.kind == Node::Kind::blend) f += g;
-    if (node.kind == Node::Kind::unite) f = std::max(f, g);
-    if (node.kind == Node::Kind::intersect) f = std::min(f, g);
-    if (node.kind == Node::Kind::subtract) f = std::min(f, 2 * threshold - g);
+  const bool blends = node.kind == Kind::blend || node.kind == Kind::hyper_blend || node.kind == Kind::local_blend;
+  const bool below = is_below_blend || (blends && node.children.size() > 1);
+  std::vector<double> f;
+  for (const NodePtr& child : node.children) f.push_back(value(*child, p, threshold, below));
+  if (node.kind == Kind::hyper_blend) return hyper_blend(f, node.n);
+  if (node.kind == Kind::local_blend) return local_blend(f);
+  const bool is_r = is_below_blend && (node.kind == Kind::r_unite || node.kind == Kind::r_intersect || node.kind == Kind::r_subtract);
+  if (is_r && f.size() == 1) return std::max(0.0, f[0]);
+  double result = f[0];
+  for (size_t i = 1; i < f.size(); ++i) {
+    switch (node.kind) {
+    case Kind::blend: result += f[i]; break;
+    case Kind::unite: result = std::max(result, f[i]); break;
+    case Kind::intersect: result = std::min(result, f[i]); break;
+    case Kind::r_unite: result = is_r ? r_join(true, result, f[i], threshold) : std::max(result, f[i]); break;
+    case Kind::r_intersect: result = is_r ? r_join(false, result, f[i], threshold) : std::min(result, f[i]); break;
+    case Kind::r_subtract:
+      result = is_r ? r_join(false, result, 2 * threshold - f[i], threshold) : std::min(result, 2 * threshold - f[i]);
+      break;
+    default: result = std::min(result, 2 * threshold - f[i]); break;
+    }
   }
-  return node.kind == Node::Kind::subtract ? std::max(0.0, f) : f;
+  return node.kind == Kind::subtract || node.kind == Kind::r_subtract ? std::max(0.0, result) : result;
 }
 
 } // namespace reference

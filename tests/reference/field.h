@@ -34,13 +34,23 @@ using NodePtr = std::shared_ptr<const Node>;
 
 /// `leaves` stands for their sum; the other kinds have children.
 struct Node {
-  enum class Kind { leaves, blend, unite, intersect, subtract, warp } kind = Kind::leaves;
+  enum class Kind { leaves, blend, unite, intersect, subtract, warp, hyper_blend, local_blend, r_unite, r_intersect, r_subtract, twist };
+  Kind kind = Kind::leaves;
   std::vector<Leaf> leaves;
   std::vector<NodePtr> children;
   Affine child_from_parent; ///< of a warp: f(p) = f_child(W^-1 p)
+  double n = 1;             ///< of a hyper-blend
+  Vec centre, axis;         ///< of a twist
+  double rate = 0;          ///< of a twist, in degrees a unit
+  double length = 0;        ///< of a twist: how far along the axis it acts; 0: everywhere
 };
 
-/// The field f at p; `threshold` is T of the shape, which a difference needs.
-double value(const Node&, Vec p, double threshold);
+/// Where p is for the child of a twist: turned back about the axis.
+Vec untwisted(const Node&, Vec p);
+
+/// The field f at p; `threshold` is T of the shape, which a difference needs. R-functions are what they are
+/// named where a blend stands above (`is_below_blend`), else maxima and minima. The region of a local
+/// blend is its last child.
+double value(const Node&, Vec p, double threshold, bool is_below_blend = false);
 
 } // namespace reference

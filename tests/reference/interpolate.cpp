@@ -90,6 +90,12 @@ private:
       const double stretch = std::sqrt(squares);
       return smallest_radius(*node.children[0], node.child_from_parent.point(p), reach * stretch) / stretch;
     }
+    if (node.kind == Node::Kind::twist) { // its stretch grows with the distance from the axis
+      const Vec q = p - node.centre;
+      const double along = dot(q, node.axis) / length(node.axis), from_axis = std::sqrt(std::max(0.0, dot(q, q) - along * along));
+      const double k = std::abs(node.rate) * std::acos(-1.0) / 180 * (from_axis + reach), stretch = 0.5 * (k + std::sqrt(k * k + 4));
+      return smallest_radius(*node.children[0], untwisted(node, p), reach * stretch) / stretch;
+    }
     double least = k_infinity;
     for (const Leaf& leaf : node.leaves)
       if (distance(leaf, p) < leaf.radius + reach) least = std::min(least, leaf.radius);

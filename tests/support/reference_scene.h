@@ -75,6 +75,11 @@ inline reference::Affine reference_inverse(const Scale<SampledMode>& k) {
   return w;
 }
 
+inline reference::Node::Kind reference_kind_of(const LocalBlend<SampledMode>&) { return reference::Node::Kind::local_blend; }
+inline reference::Node::Kind reference_kind_of(const RUnion<SampledMode>&) { return reference::Node::Kind::r_unite; }
+inline reference::Node::Kind reference_kind_of(const RIntersection<SampledMode>&) { return reference::Node::Kind::r_intersect; }
+inline reference::Node::Kind reference_kind_of(const RDifference<SampledMode>&) { return reference::Node::Kind::r_subtract; }
+
 /// The subtree at `node`.
 inline reference::NodePtr reference_of(const SampledField& field, unsigned node) {
   using Kind = reference::Node::Kind;
@@ -90,13 +95,21 @@ inline reference::NodePtr reference_of(const SampledField& field, unsigned node)
           out->leaves = {reference_of(k)};
         } else if constexpr (AffineWarp<S>) {
           out->kind = Kind::warp, out->child_from_parent = reference_inverse(k), out->children = {reference_of(field, k.child)};
+        } else if constexpr (std::is_same_v<S, Twist<SampledMode>>) {
+          out->kind = Kind::twist, out->centre = reference_of(k.centre), out->axis = reference_of(k.axis);
+          out->rate = k.rate, out->length = k.length, out->children = {reference_of(field, k.child)};
         } else if constexpr (Operator<S>) {
           constexpr bool is_blend = std::is_same_v<S, Blend<SampledMode>>, is_union = std::is_same_v<S, Union<SampledMode>>,
                          is_intersection = std::is_same_v<S, Intersection<SampledMode>>,
                          is_difference = std::is_same_v<S, Difference<SampledMode>>;
-          static_assert(is_blend || is_union || is_intersection || is_difference, "teach the reference this operator");
-          out->kind = is_blend ? Kind::blend : is_union ? Kind::unite : is_intersection ? Kind::intersect : Kind::subtract;
+          if constexpr (is_blend || is_union || is_intersection || is_difference)
+            out->kind = is_blend ? Kind::blend : is_union ? Kind::unite : is_intersection ? Kind::intersect : Kind::subtract;
+          else if constexpr (std::is_same_v<S, HyperBlend<SampledMode>>)
+            out->kind = Kind::hyper_blend, out->n = k.n;
+          else
+            out->kind = reference_kind_of(k);
           for (const unsigned child : k.children) out->children.push_back(reference_of(field, child));
+          if constexpr (std::is_same_v<S, LocalBlend<SampledMode>>) out->children.push_back(reference_of(field, k.region));
         } else {
           static_assert(BlobSource<S>, "teach the reference this kind");
         }
