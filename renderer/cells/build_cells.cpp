@@ -34,7 +34,8 @@ public:
     const size_t elements = element_count(code);
     const Vec3d extent = box.extent();
     const double side = std::max({extent.x, extent.y, extent.z});
-    if (elements <= limits_.elements || side <= limits_.side_in_radii * radius || depth >= limits_.depth)
+    const bool is_sparse = elements <= limits_.elements && side <= limits_.sparse_side * radius;
+    if (is_sparse || side <= limits_.side_in_radii * radius || depth >= limits_.depth)
       add_cell(box, code, radius, out);
     else
       subdivide(box, code, elements, depth, out);

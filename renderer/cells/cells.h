@@ -42,7 +42,8 @@ struct ShapeCells {
 
 /// How far space is subdivided.
 struct CellLimits {
-  uint32_t elements = 16;  ///< few enough elements make a cell a leaf…
+  uint32_t elements = 16;  ///< few enough elements make a cell a leaf, if its side is at most…
+  float sparse_side = 16;  ///< …this many radii of influence of the smallest (a tiny blob in a huge cell: imprecise and slow)
   float side_in_radii = 2; ///< …and so does a side below this many radii of influence of its smallest element (finer: slower, and eight
                            ///< times the memory a halving)
   int depth = 24;

@@ -1,5 +1,6 @@
 // The solver for sums of point blobs. Along a ray, centred on the segment (s in [-h, h]), each blob's
-// q = s_i - k_i |p - c_i|^2 is a quadratic in s. The field is sampled at 16 places in SIMD lanes; a root
+// q = s_i - k_i |p - c_i|^2 is a quadratic in s, kept as a - (c s - b)^2 from the place nearest to the centre: nothing
+// cancels, however far the blob is. The field is sampled at 16 places in SIMD lanes; a root
 // pair hidden between two samples is ruled out by a bound of the field's curvature from below,
 //   f'' >= -C   =>   f <= lerp + (C/2) (s - s_j) (s_{j+1} - s),
 // and what is not ruled out is sampled 15 times finer. Nothing is missed, nothing is guessed.
@@ -15,7 +16,7 @@
 #define KELPIE_SOLVE_BLOBS_ONCE
 namespace kelpie {
 
-/// The quadratics q(s) = a + b s + c s^2 of the blobs that the segment can meet; potential q^2 (w + v q).
+/// The quadratics q(s) = a - (c s - b)^2 of the blobs that the segment can meet; potential q^2 (w + v q).
 struct ActiveBlobs {
   std::vector<float> a, b, c, w, v;
   size_t count = 0;
@@ -55,12 +56,13 @@ public:
 
   bool run(const float* blobs, size_t n, const RaySegment& ray, float& t) {
     const float middle = 0.5f * (ray.t0 + ray.t1);
-    const float half = 0.5f * (ray.t1 - ray.t0);
-    const float most = set_up(blobs, n, ray.origin + middle * ray.direction, ray.direction, half);
+    // A direction is a unit vector to 1e-7 only, which a tiny blob at the end of a long segment would feel.
+    const float speed = glm::length(ray.direction), half = 0.5f * (ray.t1 - ray.t0) * speed;
+    const float most = set_up(blobs, n, ray.origin + middle * ray.direction, ray.direction / speed, half);
     if (sign_ > 0 && most < threshold_ * (1 - 1e-6f)) return false;
     float root;
     if (!first(-half, half, 0, root)) return false;
-    t = middle + root;
+    t = middle + root / speed;
     return true;
   }
 
@@ -71,8 +73,7 @@ private:
     active_.reserve(n);
     const V mx = hn::Set(l, m.x), my = hn::Set(l, m.y), mz = hn::Set(l, m.z);
     const V dx = hn::Set(l, d.x), dy = hn::Set(l, d.y), dz = hn::Set(l, d.z);
-    const float speed2 = glm::dot(d, d);
-    const V h = hn::Set(l, half), zero = hn::Zero(l), inverse_speed2 = hn::Set(l, 1 / speed2);
+    const V h = hn::Set(l, half), zero = hn::Zero(l);
     V curvature = zero, most = zero;
     size_t count = 0;
     for (size_t i = 0; i < n; i += k_width) {
@@ -80,13 +81,12 @@ private:
               z = hn::Sub(hn::LoadU(l, blobs + 2 * n + i), mz);
       const V s = hn::LoadU(l, blobs + 3 * n + i), k = hn::LoadU(l, blobs + 4 * n + i);
       const V along = hn::MulAdd(x, dx, hn::MulAdd(y, dy, hn::Mul(z, dz)));
-      const V distance2 = hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Mul(z, z)));
-      const V a = hn::NegMulAdd(k, distance2, s);
-      const V b = hn::Mul(hn::Add(k, k), along);
-      const V c = hn::Mul(k, hn::Set(l, -speed2));
+      const V ax = hn::NegMulAdd(along, dx, x), ay = hn::NegMulAdd(along, dy, y), az = hn::NegMulAdd(along, dz, z);
+      const V a = hn::NegMulAdd(k, hn::MulAdd(ax, ax, hn::MulAdd(ay, ay, hn::Mul(az, az))), s);
+      const V c = hn::Sqrt(k), b = hn::Mul(c, along);
       // q is largest at the place nearest to the centre.
-      const V at = hn::Min(hn::Max(hn::Mul(along, inverse_speed2), hn::Neg(h)), h);
-      const V q = hn::MulAdd(hn::MulAdd(c, at, b), at, a);
+      const V off = hn::Sub(hn::Min(hn::Max(along, hn::Neg(h)), h), along);
+      const V q = hn::NegMulAdd(k, hn::Mul(off, off), a);
       const auto reaches = hn::Gt(q, zero);
       if (hn::AllFalse(l, reaches)) continue;
       hn::CompressStore(a, reaches, l, active_.a.data() + count);
@@ -115,7 +115,7 @@ private:
       if constexpr (!Pure) active_.w[count + j] = active_.v[count + j] = 0;
     }
     const float sum = hn::GetLane(hn::SumOfLanes(l, curvature));
-    curvature_ = 1.0001f * speed2 * (Pure ? (sign_ > 0 ? 4 : 8) * sum : sum);
+    curvature_ = 1.0001f * (Pure ? (sign_ > 0 ? 4 : 8) * sum : sum);
     return hn::GetLane(hn::SumOfLanes(l, most));
   }
 
@@ -132,7 +132,7 @@ private:
     for (size_t i = 0; i < active_.count; ++i) {
       const V a = hn::Set(l, active_.a[i]), b = hn::Set(l, active_.b[i]), c = hn::Set(l, active_.c[i]);
       for (size_t j = 0; j < k_vectors; ++j) {
-        const V q = hn::Max(hn::MulAdd(hn::MulAdd(c, s[j], b), s[j], a), zero);
+        const V u = hn::MulSub(c, s[j], b), q = hn::Max(hn::NegMulAdd(u, u, a), zero);
         if constexpr (Pure)
           f[j] = hn::MulAdd(q, q, f[j]);
         else
@@ -149,8 +149,8 @@ private:
     const V s = hn::Set(l, place), zero = hn::Zero(l);
     V f = zero;
     for (size_t i = 0; i < active_.count; i += k_width) {
-      const V q = hn::Max(
-          hn::MulAdd(hn::MulAdd(hn::LoadU(l, &active_.c[i]), s, hn::LoadU(l, &active_.b[i])), s, hn::LoadU(l, &active_.a[i])), zero);
+      const V u = hn::MulSub(hn::LoadU(l, &active_.c[i]), s, hn::LoadU(l, &active_.b[i]));
+      const V q = hn::Max(hn::NegMulAdd(u, u, hn::LoadU(l, &active_.a[i])), zero);
       if constexpr (Pure)
         f = hn::MulAdd(q, q, f);
       else
