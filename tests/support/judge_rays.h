@@ -62,6 +62,12 @@ inline void collect_leaves(const reference::Node& node, std::vector<reference::L
 
 struct Tally {
   int hits = 0, missed = 0, false_hits = 0, wrong_normals = 0, disagreeing_shadows = 0;
+
+  Tally& operator+=(const Tally& t) {
+    hits += t.hits, missed += t.missed, false_hits += t.false_hits, wrong_normals += t.wrong_normals;
+    disagreeing_shadows += t.disagreeing_shadows;
+    return *this;
+  }
 };
 
 /// Normals differ from the reference's by at most the angle of this cosine (8 degrees), where a position
@@ -81,24 +87,26 @@ inline reference::Vec unit_gradient(const reference::Node& node, reference::Vec 
   return g * (1 / length);
 }
 
-inline void judge_ray(const Tracer& tracer, const reference::Node& node, double threshold, const Box3& box, Ray ray, Tally& tally) {
-  const reference::Ray exact{reference_of(ray.origin), reference_of(ray.direction)};
-  const Stretch s = inside(exact, box);
-  const double at_origin = value(node, exact.origin, threshold) / threshold;
-  if (std::abs(at_origin - 1) < 0.01) return; // neither outside nor inside
-  if (at_origin > 1) ray.inside = 0;          // the only shape
+/// A ray with what was answered.
+struct Question {
+  Ray ray;
+  double at_origin; ///< the field there, in thresholds
+  bool found, shadowed;
   Hit hit;
-  SolveCounters counters;
-  const bool found = tracer.intersect(ray, counters, hit);
-  tally.disagreeing_shadows += tracer.occluded(ray, counters) != found;
-  tally.hits += found;
+};
+
+inline void judge_answer(const Question& q, const reference::Node& node, double threshold, const Box3& box, Tally& tally) {
+  const reference::Ray exact{reference_of(q.ray.origin), reference_of(q.ray.direction)};
+  const Stretch s = inside(exact, box);
+  tally.disagreeing_shadows += q.shadowed != q.found;
+  tally.hits += q.found;
   if (!(s.from < s.to)) {
-    tally.false_hits += found;
+    tally.false_hits += q.found;
     return;
   }
   reference::Profile profile = reference::along_ray(node, exact, s.from, s.to, threshold);
-  if (at_origin > 1) profile = reflected(std::move(profile), threshold);
-  const double answer = found ? double(hit.t) : std::numeric_limits<double>::infinity();
+  if (q.at_origin > 1) profile = reflected(std::move(profile), threshold);
+  const double answer = q.found ? double(q.hit.t) : std::numeric_limits<double>::infinity();
   // t is a float: what it cannot say far from the scene is no error.
   const double farthest = std::min(answer, s.to), ulps = 2 * std::numeric_limits<float>::epsilon() * farthest;
   const reference::Tolerance tolerance{1e-4, 1e-5 + (farthest > 10 * box.diagonal() ? ulps / box.diagonal() : 0)};
@@ -106,34 +114,85 @@ inline void judge_ray(const Tracer& tracer, const reference::Node& node, double 
   tally.missed += verdict == Verdict::missed;
   tally.false_hits += verdict == Verdict::false_hit;
   if (verdict != Verdict::right && tally.missed + tally.false_hits < 4)
-    ADD_FAILURE() << (verdict == Verdict::missed ? "missed" : "false") << ", t = " << answer << (at_origin > 1 ? " from inside" : "")
-                  << ", ray from " << ray.origin.x << ' ' << ray.origin.y << ' ' << ray.origin.z << " along " << ray.direction.x << ' '
-                  << ray.direction.y << ' ' << ray.direction.z;
+    ADD_FAILURE() << (verdict == Verdict::missed ? "missed" : "false") << ", t = " << answer << (q.at_origin > 1 ? " from inside" : "")
+                  << ", ray from " << q.ray.origin.x << ' ' << q.ray.origin.y << ' ' << q.ray.origin.z << " along " << q.ray.direction.x
+                  << ' ' << q.ray.direction.y << ' ' << q.ray.direction.z;
   double slope = 0;
-  if (found && verdict == Verdict::right) {
-    const reference::Vec n = unit_gradient(node, exact.at(hit.t), threshold, 1e-6, slope) * -1;
+  if (q.found && verdict == Verdict::right) {
+    const reference::Vec n = unit_gradient(node, exact.at(q.hit.t), threshold, 1e-6, slope) * -1;
     double other_slope = 0;
-    const reference::Vec m = unit_gradient(node, exact.at(hit.t), threshold, 1e-7, other_slope) * -1;
+    const reference::Vec m = unit_gradient(node, exact.at(q.hit.t), threshold, 1e-7, other_slope) * -1;
     // Where the field is nearly flat or creased a position rounded to float has no normal to compare.
     const bool has_normal = slope > 0.3 && dot(n, m) > 0.9999 && farthest < 10 * box.diagonal();
-    if (has_normal && dot(n, reference_of(hit.normal)) < k_normal_cosine) ++tally.wrong_normals;
+    if (has_normal && dot(n, reference_of(q.hit.normal)) < k_normal_cosine) ++tally.wrong_normals;
   }
 }
 
-inline Tally judge_rays(const SampledField& field, float threshold, int rays, const CellLimits& limits = {}, double most_sizes = 3) {
-  const FrameScene scene = scene_of(field, threshold);
-  const Tracer tracer(scene, limits);
-  const reference::NodePtr node = reference_of(field);
-  Box3 box = tracer.bounds();
-  if (box.is_empty()) box = {Vec3(-1), Vec3(1)};
-  box = box.padded(0.01f * box.diagonal());
-  std::vector<reference::Leaf> leaves;
-  collect_leaves(*node, leaves);
-  Tally tally;
-  for (int i = 0; i < rays; ++i) {
-    Random r(i);
-    judge_ray(tracer, *node, threshold, box, random_ray(r, box, leaves, i % 4 != 0, i % 3 == 1 ? most_sizes : 3), tally);
+/// How the questions are put: each alone, or by 16 as they come.
+enum class Way { alone, in_packets };
+
+inline void ask(const Tracer& tracer, Way way, std::vector<Question>& questions) {
+  SolveCounters counters;
+  if (way == Way::alone) {
+    for (Question& q : questions) q.found = tracer.intersect(q.ray, counters, q.hit), q.shadowed = tracer.occluded(q.ray, counters);
+    return;
   }
+  for (size_t first = 0; first < questions.size(); first += k_packet) {
+    const std::span<Question> part = std::span(questions).subspan(first, std::min(k_packet, questions.size() - first));
+    std::vector<Ray> rays;
+    for (const Question& q : part) rays.push_back(q.ray);
+    std::array<Hit, k_packet> hits;
+    const uint32_t found = tracer.intersect(rays, counters, hits.data()), shadowed = tracer.occluded(rays, counters);
+    for (size_t i = 0; i < part.size(); ++i) part[i].found = found >> i & 1, part[i].shadowed = shadowed >> i & 1, part[i].hit = hits[i];
+  }
+}
+
+/// All that a field is asked in a test.
+class Examination {
+public:
+  Examination(const SampledField& field, float threshold, int rays, const CellLimits& limits = {}, double most_sizes = 3)
+      : scene_(scene_of(field, threshold)), threshold_(threshold), tracer_(scene_, limits), node_(reference_of(field)),
+        box_(tracer_.bounds()) {
+    if (box_.is_empty()) box_ = {Vec3(-1), Vec3(1)};
+    box_ = box_.padded(0.01f * box_.diagonal());
+    std::vector<reference::Leaf> leaves;
+    collect_leaves(*node_, leaves);
+    for (int i = 0; i < rays; ++i) {
+      Random r(i);
+      Question q{};
+      q.ray = random_ray(r, box_, leaves, i % 4 != 0, i % 3 == 1 ? most_sizes : 3);
+      q.at_origin = value(*node_, reference_of(q.ray.origin), threshold_) / threshold_;
+      if (std::abs(q.at_origin - 1) < 0.01) continue; // neither outside nor inside
+      if (q.at_origin > 1) q.ray.inside = 0;          // the only shape
+      questions_.push_back(q);
+    }
+  }
+
+  Tally judge(Way way) {
+    ask(tracer_, way, questions_);
+    Tally tally;
+    for (const Question& q : questions_) judge_answer(q, *node_, threshold_, box_, tally);
+    return tally;
+  }
+
+  const Tracer& tracer() const { return tracer_; }
+  std::vector<Question>& questions() { return questions_; }
+  float size() const { return box_.diagonal(); }
+
+private:
+  FrameScene scene_;
+  double threshold_;
+  Tracer tracer_;
+  reference::NodePtr node_;
+  Box3 box_;
+  std::vector<Question> questions_;
+};
+
+/// Random rays, put both ways; `most_sizes`: from how far away they come, in scene sizes.
+inline Tally judge_rays(const SampledField& field, float threshold, int rays, const CellLimits& limits = {}, double most_sizes = 3) {
+  Examination examination(field, threshold, rays, limits, most_sizes);
+  Tally tally = examination.judge(Way::alone);
+  tally += examination.judge(Way::in_packets);
   return tally;
 }
 
