@@ -1,6 +1,7 @@
 #include "renderer/output/exr.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -10,10 +11,10 @@
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
-#include "base/error.h"
-#include "colour/spaces.h"
 #include "base/atomic_file.h"
+#include "base/error.h"
 #include "base/file_bytes.h"
+#include "colour/spaces.h"
 #include "renderer/output/pixel_hash.h"
 
 namespace kelpie {
@@ -207,6 +208,8 @@ DecodedFrame decode(std::span<const unsigned char> bytes, const std::string& nam
   };
   OIIO::Filesystem::IOMemReader reader(bytes.data(), bytes.size());
   std::string why;
+  constexpr std::array<unsigned char, 4> k_magic{0x76, 0x2f, 0x31, 0x01}; // without it OIIO names a file that nobody knows
+  if (bytes.size() < k_magic.size() || !std::equal(k_magic.begin(), k_magic.end(), bytes.begin())) fail("it is not an OpenEXR file");
   const std::unique_ptr<OIIO::ImageInput> input = open_exr(reader, why);
   if (!input) fail(why);
   DecodedFrame frame;
