@@ -111,7 +111,7 @@ void count_rays(benchmark::State& state, size_t rays, const SolveCounters& count
   const double traced = double(rays) * double(state.iterations());
   state.counters["rays"] = benchmark::Counter(traced, benchmark::Counter::kIsRate);
   state.counters["cells/ray"] = double(counters.cells) / traced;
-  state.counters["samples/ray"] = double(counters.evaluations) / traced;
+  state.counters["samples/ray"] = double(counters.total().evaluations) / traced;
 }
 
 void trace_camera_rays(benchmark::State& state) {

@@ -1,5 +1,6 @@
 #include "cli/film_options.h"
 
+#include <algorithm>
 #include <charconv>
 
 #include <fmt/format.h>
@@ -50,12 +51,16 @@ PixelBox parse_crop(const std::string& text, Vec2i resolution) {
   return box;
 }
 
+bool has_cost(const Film<AnimatedMode>& film) { return std::find(film.aovs.begin(), film.aovs.end(), Aov::cost) != film.aovs.end(); }
+
 } // namespace
 
 void add_film_options(CLI::App& command, RenderOptions& o) {
   command.add_option("--res", o.resolution, "size of the picture: 1280x720, or 50% of the scene's");
   command.add_option("--spp", o.spp, "samples per pixel")->check(CLI::Range(1, 1 << 20));
   command.add_option("--crop", o.crop, "only these pixels: x0,x1,y0,y1 from the top left, half-open");
+  command.add_flag("--heatmap", o.heatmap,
+                   "add the channel cost: evaluations of fields for each sample of a pixel (`kelpie view --channel cost`; slower)");
   command.add_option("--quality", o.quality, "draft: half the size, an eighth of the samples; final: as the scene says")
       ->check(CLI::IsMember({"draft", "final"}));
   command.add_option("--set", o.set, "change a value of the scene: shapes.drop.threshold=1.1 (may be repeated)")->allow_extra_args(false);
@@ -71,12 +76,14 @@ PixelBox apply_film_options(const RenderOptions& options, Film<AnimatedMode>& fi
   }
   if (!options.resolution.empty()) film.resolution = parse_resolution(options.resolution, film.resolution);
   if (options.spp > 0) film.spp = options.spp;
+  if (options.heatmap && !has_cost(film)) film.aovs.push_back(Aov::cost);
   return parse_crop(options.crop, film.resolution);
 }
 
 std::string picture_hash(const Scene& scene, const PixelBox& window) {
-  return fmt::format("{}:kelpie {}:ocio {}:{}x{}:{}spp:{},{},{},{}", scene.hash, KELPIE_VERSION, ocio_config_id(), scene.film.resolution.x,
-                     scene.film.resolution.y, scene.film.spp, window.x0, window.x1, window.y0, window.y1);
+  return fmt::format("{}:kelpie {}:ocio {}:{}x{}:{}spp:{},{},{},{}{}", scene.hash, KELPIE_VERSION, ocio_config_id(),
+                     scene.film.resolution.x, scene.film.resolution.y, scene.film.spp, window.x0, window.x1, window.y0, window.y1,
+                     has_cost(scene.film) ? ":cost" : "");
 }
 
 } // namespace kelpie

@@ -7,10 +7,10 @@
 
 namespace kelpie {
 
-/// Adds --res, --spp, --crop, --quality, --set, --allow-path and --ocio.
+/// Adds --res, --spp, --crop, --quality, --heatmap, --set, --allow-path and --ocio.
 void add_film_options(CLI::App& command, RenderOptions& options);
 
-/// Applies --res, --spp and --quality to the film; returns the window that --crop leaves of it.
+/// Applies --res, --spp, --quality and --heatmap to the film; returns the window that --crop leaves of it.
 /// Throws Error usage.
 PixelBox apply_film_options(const RenderOptions& options, Film<AnimatedMode>& film);
 

@@ -21,7 +21,9 @@ void add_picture_options(CLI::App& app, PictureOptions& options) {
       ->check(CLI::Range(-100.0, 100.0))
       ->option_text("STOPS");
   app.add_option("--channel", options.channel,
-                 "show this instead of the colours: Z (depth), N (normals), P (positions), albedo, A, or any channel")
+                 "show this instead of the colours: Z (depth), N (normals), P (positions), albedo, A, cost (evaluations a sample: blue 10, "
+                 "green 100, yellow 1000, red "
+                 "10,000, white 100,000), or any channel")
       ->option_text("NAME");
   app.add_option("--ocio", options.ocio, "OCIO config file [$OCIO, else a built-in ACES config]")->option_text("FILE");
 }

@@ -20,7 +20,8 @@ struct RenderOptions {
   int spp = 0;                       ///< 0: as in the scene
   int threads = 0;                   ///< 0: all cores
   bool skip_existing = false;
-  std::string stats; ///< a JSON file, or empty
+  bool heatmap = false; ///< add the channel `cost`
+  std::string stats;    ///< a JSON file, or empty
   ProgressMode progress = ProgressMode::automatic;
   std::string ocio; ///< an OCIO config, or empty
   std::vector<std::string> set, allow_paths;

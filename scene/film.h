@@ -17,12 +17,12 @@ struct EnumNames<PixelFilter> {
       {{"centre", PixelFilter::centre}, {"box", PixelFilter::box}, {"gaussian", PixelFilter::gaussian}}};
 };
 
-enum class Aov { Z, P, N, albedo };
+enum class Aov { Z, P, N, albedo, cost };
 
 template <>
 struct EnumNames<Aov> {
-  static constexpr std::array<std::pair<std::string_view, Aov>, 4> values{
-      {{"Z", Aov::Z}, {"P", Aov::P}, {"N", Aov::N}, {"albedo", Aov::albedo}}};
+  static constexpr std::array<std::pair<std::string_view, Aov>, 5> values{
+      {{"Z", Aov::Z}, {"P", Aov::P}, {"N", Aov::N}, {"albedo", Aov::albedo}, {"cost", Aov::cost}}};
 };
 
 /// What a camera ray that misses everything shows. In scene files: "environment", "transparent" or a colour.
@@ -51,8 +51,10 @@ struct Film {
         parameter("bounces", &Film::bounces, "how often light is followed from surface to surface; 0: direct light only")
             .at_least(0)
             .at_most(1000),
-        parameter("aovs", &Film::aovs,
-                  "further channels: Z (distance along the camera axis), P (world position), N (world normal), albedo"),
+        parameter(
+            "aovs", &Film::aovs,
+            "further channels: Z (distance along the camera axis), P (world position), N (world normal), albedo, cost (evaluations of "
+            "fields for each sample of the pixel; takes time)"),
         parameter("filter", &Film::filter, "`gaussian` (smooth), `box` (one pixel wide), `centre` (no antialiasing)"),
         parameter("background", &Film::background, "`environment`, `transparent`, or a colour"),
     };

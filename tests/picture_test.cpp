@@ -48,6 +48,24 @@ TEST(Pictures, DataIsDrawnAsADiagram) {
   EXPECT_EQ(at(a, 1, 1), Vec3(1));
 }
 
+TEST(Pictures, CostIsOnOneScaleForAllPictures) {
+  DecodedFrame frame = small_frame();
+  frame.image.add("cost").pixels = {0, 100, 1e5f, 1e9f};
+  const Picture cost = picture_of(frame, "cost");
+  EXPECT_EQ(at(cost, 1, 0), Vec3(0));
+  EXPECT_EQ(at(cost, 2, 0), Vec3(0.1f, 0.7f, 0.2f));
+  EXPECT_EQ(at(cost, 1, 1), Vec3(1));
+  EXPECT_EQ(at(cost, 2, 1), Vec3(1));
+  float before = -1; // a dearer pixel is never darker
+  for (float v = 1; v < 2e5f; v *= 1.1f) {
+    frame.image.find("cost")->pixels[0] = v;
+    const Vec3 c = at(picture_of(frame, "cost"), 1, 0);
+    if (v >= 1000) break; // from yellow to red it goes by hue
+    EXPECT_GT(glm::dot(c, Vec3(0.2126f, 0.7152f, 0.0722f)), before) << v;
+    before = glm::dot(c, Vec3(0.2126f, 0.7152f, 0.0722f));
+  }
+}
+
 TEST(Pictures, UnknownChannelsSayWhichThereAre) {
   try {
     picture_of(small_frame(), "depth");

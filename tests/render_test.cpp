@@ -119,6 +119,23 @@ TEST_F(Render, ACropIsAPartOfTheWhole) {
         ASSERT_EQ(c.pixels[part.index(x, y)], whole.find(c.name)->pixels[whole.index(x, y)]) << c.name << ' ' << x << ' ' << y;
 }
 
+// What a pixel cost is a count of its own: whatever the threads and the crop, and so whatever shares its
+// packets; and asking for it changes no other channel.
+TEST_F(Render, TheHeatMapIsDeterministicAndChangesNothingElse) {
+  const FrameImage plain = render(k_mixture), whole = render(k_mixture, "--heatmap -j 1 --stats stats.json");
+  const std::string stats = text_of(path("stats.json"));
+  const FrameImage part = render(k_mixture, "--heatmap --crop 11,40,7,23 -j 3");
+  EXPECT_EQ(plain.find("cost"), nullptr);
+  ASSERT_NE(whole.find("cost"), nullptr);
+  for (const FrameChannel& c : plain.channels) EXPECT_EQ(c.pixels, whole.find(c.name)->pixels) << c.name;
+  double sum = 0;
+  for (const float cost : whole.find("cost")->pixels) sum += cost;
+  EXPECT_NE(stats.find("\"evaluations\": " + std::to_string(std::llround(4 * sum)) + ","), std::string::npos) << sum << stats; // 4 samples
+  EXPECT_GT(sum, 1000);
+  for (int y = 7; y < 23; ++y)
+    for (int x = 11; x < 40; ++x) ASSERT_EQ(value(part, "cost", x, y), value(whole, "cost", x, y)) << x << ' ' << y;
+}
+
 TEST_F(Render, FramesThatExistAreKeptOnlyIfTheyAreOfThisScene) {
   write("scene.json", k_sphere);
   ASSERT_EQ(kelpie("render scene.json -f 1 -o a.exr").status, 0);

@@ -34,7 +34,8 @@ struct FrameChannel {
 };
 
 /// R, G, B: scene-linear, premultiplied by A (coverage). Z: distance along the camera's axis, scene units,
-/// 1e10 where nothing was hit. P.X P.Y P.Z: world position. N.X N.Y N.Z: world normal. albedo.R G B.
+/// 1e10 where nothing was hit. P.X P.Y P.Z: world position. N.X N.Y N.Z: world normal. albedo.R G B. cost: evaluations of
+/// fields a sample.
 struct FrameImage {
   Vec2i resolution{0, 0}; ///< the display window is (0, 0) to here
   PixelBox data_window;   ///< the pixels there are: the crop, or the whole picture
@@ -44,7 +45,7 @@ struct FrameImage {
   FrameImage(Vec2i size, PixelBox window) : resolution(size), data_window(window) {}
   explicit FrameImage(Vec2i size) : FrameImage(size, PixelBox{0, 0, size.x, size.y}) {}
 
-  /// A new channel of zeros at its usual depth (Z, P.* and motion.* full, others half). The reference
+  /// A new channel of zeros at its usual depth (Z, P.*, motion.* and cost full, others half). The reference
   /// is good until the next add().
   FrameChannel& add(std::string name) {
     const ChannelDepth depth = usual_depth(name);
@@ -60,10 +61,10 @@ struct FrameImage {
   /// Where pixel (x, y) of the picture lies in a channel; it must be inside the data window.
   size_t index(int x, int y) const { return size_t(y - data_window.y0) * size_t(data_window.width()) + size_t(x - data_window.x0); }
 
-  /// Geometry needs 24 bits (a position in half is off by a pixel at a few hundred units); light does not.
+  /// Geometry needs 24 bits (a position in half is off by a pixel at a few hundred units), and so do counts; light does not.
   static ChannelDepth usual_depth(std::string_view name) {
     const bool is_geometry = name == "Z" || name.substr(0, 2) == "P." || name.substr(0, 7) == "motion.";
-    return is_geometry ? ChannelDepth::full : ChannelDepth::half;
+    return is_geometry || name == "cost" ? ChannelDepth::full : ChannelDepth::half;
   }
 };
 

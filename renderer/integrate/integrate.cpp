@@ -23,7 +23,7 @@ constexpr float k_far = 1e10f;
 struct Channels {
   std::array<float*, 4> rgba{};
   std::array<float*, 3> p{}, n{}, albedo{};
-  float* z = nullptr;
+  float *z = nullptr, *cost = nullptr;
 
   Channels(FrameImage& image, const std::vector<Aov>& aovs) {
     const auto wants = [&](Aov a) { return std::find(aovs.begin(), aovs.end(), a) != aovs.end(); };
@@ -37,6 +37,7 @@ struct Channels {
     if (wants(Aov::P)) add(p, {"P.X", "P.Y", "P.Z"});
     if (wants(Aov::N)) add(n, {"N.X", "N.Y", "N.Z"});
     if (wants(Aov::albedo)) add(albedo, {"albedo.R", "albedo.G", "albedo.B"});
+    if (wants(Aov::cost)) image.add("cost"), names_.push_back({"cost", &cost});
     for (const auto& entry : names_) *entry.second = image.find(entry.first)->pixels.data(); // stable now that all are there
   }
 
@@ -80,7 +81,8 @@ private:
   struct PixelTally {
     Vec3 radiance{0}, albedo{0};
     int hits = 0;
-    PathResult central; ///< of the sample nearest to the pixel's centre
+    uint64_t evaluations = 0; ///< only where the film asks for `cost`
+    PathResult central;       ///< of the sample nearest to the pixel's centre
     float nearest = std::numeric_limits<float>::infinity();
 
     void add(const PathResult& path, Vec2 offset) {
@@ -102,7 +104,7 @@ private:
       paths.clear();
       for (int y = box.y0; y < box.y1; ++y)
         for (int x = box.x0; x < box.x1; ++x) paths.push_back(start(x, y, s, offsets[paths.size()]));
-      paths_.trace(paths, tally.rays);
+      trace(paths, pixels, tally.rays);
       for (size_t i = 0; i < paths.size(); ++i) {
         PathResult& path = paths[i].result;
         if (!is_finite(path.radiance)) {
@@ -113,6 +115,16 @@ private:
       }
     }
     for (size_t i = 0; i < paths.size(); ++i) store(out_.image.index(place(box, i).x, place(box, i).y), pixels[i]);
+  }
+
+  /// For `cost` one by one: what a path evaluates in a packet depends on the others. What it finds does not.
+  void trace(std::span<Path> paths, std::span<PixelTally> pixels, RayCounters& counters) const {
+    if (!channels_.cost) return paths_.trace(paths, counters);
+    for (size_t i = 0; i < paths.size(); ++i) {
+      const uint64_t before = counters.solve.total().evaluations;
+      paths_.trace(paths.subspan(i, 1), counters);
+      pixels[i].evaluations += counters.solve.total().evaluations - before;
+    }
   }
 
   /// The i-th pixel of a block.
@@ -137,6 +149,7 @@ private:
     channels_.rgba[3][i] = static_cast<float>(pixel.hits) * share;
     Channels::set(channels_.albedo, i, pixel.albedo * share);
     // Geometry is not averaged: between two surfaces there is none.
+    if (channels_.cost) channels_.cost[i] = static_cast<float>(pixel.evaluations) * share;
     if (channels_.z) channels_.z[i] = central.is_hit ? camera_.depth(central.hit.position) : k_far;
     Channels::set(channels_.p, i, central.is_hit ? central.hit.position : Vec3(0));
     Channels::set(channels_.n, i, central.is_hit ? central.hit.normal : Vec3(0));

@@ -16,7 +16,7 @@ struct RayCounters {
 
   void add(const RayCounters& other) {
     camera += other.camera, shadow += other.shadow, scatter += other.scatter;
-    solve.cells += other.solve.cells, solve.evaluations += other.solve.evaluations;
+    solve += other.solve;
   }
 };
 

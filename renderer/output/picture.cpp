@@ -94,6 +94,17 @@ Picture grey_picture(const FrameImage& image, const FrameChannel& channel) {
   return fill(image, false, [&](size_t, size_t i) { return extent.fraction(channel.pixels[i]); });
 }
 
+/// Powers of ten from black to white, by colours that grow brighter all the way.
+Picture cost_picture(const FrameImage& image, const FrameChannel& cost) {
+  constexpr std::array<std::array<float, 3>, 6> k_scale{
+      {{0, 0, 0}, {0.1f, 0.2f, 0.8f}, {0.1f, 0.7f, 0.2f}, {1, 0.9f, 0.1f}, {1, 0.2f, 0.1f}, {1, 1, 1}}};
+  return fill(image, false, [&](size_t c, size_t i) {
+    const float place = std::clamp(std::log10(std::max(cost.pixels[i], 1.f)), 0.f, float(k_scale.size() - 1));
+    const size_t below = std::min(static_cast<size_t>(place), k_scale.size() - 2);
+    return std::lerp(k_scale[below][c], k_scale[below + 1][c], place - static_cast<float>(below));
+  });
+}
+
 Picture light_picture(const DecodedFrame& frame, const Channels& channels) {
   Picture picture = fill(frame.image, true, [&](size_t c, size_t i) { return channels[c]->pixels[i]; });
   if (frame.chromaticities && frame.chromaticities != scene_linear_chromaticities())
@@ -113,6 +124,7 @@ Picture picture_of(const DecodedFrame& frame, const std::string& name) {
   if (find_group(image, name, "XYZ", group)) return name == "N" ? normal_picture(image, group) : position_picture(image, group);
   if (const FrameChannel* channel = image.find(name.empty() ? "Y" : name)) {
     if (name.empty()) return light_picture(frame, {channel, channel, channel}); // EXR's luminance pictures
+    if (name == "cost") return cost_picture(image, *channel);
     return grey_picture(image, *channel);
   }
   std::vector<std::string> names;

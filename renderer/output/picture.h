@@ -28,6 +28,8 @@ struct Picture {
 ///   N             world normals, (n + 1) / 2
 ///   Z             inverse distance, from white (nearest) to dark grey (farthest thing hit); misses are black
 ///   P             each coordinate as a fraction of the extent of the middle 90 % of what was hit
+///   cost          evaluations a sample, on a scale that is the same for all pictures, logarithmic between black: at most 1,
+///                 blue: 10, green: 100, yellow: 1,000, red: 10,000, white: 100,000 and more
 ///   A, or any     one channel as grey, A as it is, others from their least to their greatest value
 ///
 /// Light is converted to scene-linear: from the primaries in the header, linear Rec.709 where there are none

@@ -25,8 +25,10 @@ bool clip(const Cell& cell, const Ray& ray, bool from_inside, RaySegment& out) {
 }
 
 bool solve(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolveCounters& counters, float& t) {
-  ++counters.cells;
-  return cell.content == Cell::Content::code ? solve_code(shape, cell, ray, counters, t) : solve_blobs(shape, cell, ray, counters, t);
+  const bool is_code = cell.content == Cell::Content::code;
+  SolverWork& work = is_code ? counters.code : counters.blobs;
+  ++work.cells;
+  return is_code ? solve_code(shape, cell, ray, work, t) : solve_blobs(shape, cell, ray, work, t);
 }
 
 uint32_t solve_lanes(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, SolveCounters& counters, float* t) {

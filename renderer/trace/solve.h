@@ -1,6 +1,9 @@
 // Finds where a ray first meets the surface inside one cell.
 #pragma once
 
+#include <array>
+#include <string_view>
+
 #include "renderer/cells/cells.h"
 
 namespace kelpie {
@@ -32,11 +35,43 @@ struct RayLanes {
   Ray ray(size_t lane) const;
 };
 
+/// What a solver did.
+struct SolverWork {
+  uint64_t cells = 0;       ///< cells solved, each for one ray
+  uint64_t evaluations = 0; ///< of the field: samples along rays
+
+  SolverWork& operator+=(const SolverWork& w) {
+    cells += w.cells, evaluations += w.evaluations;
+    return *this;
+  }
+};
+
 /// What the solvers did, for statistics; one per thread.
 struct SolveCounters {
-  uint64_t cells = 0;       ///< cells solved
-  uint64_t evaluations = 0; ///< of the field: samples along rays
+  SolverWork blobs, blob_packets, code;
+
+  struct Solver {
+    std::string_view name; ///< in statistics
+    SolverWork SolveCounters::*work;
+  };
+  static const std::array<Solver, 3> k_solvers;
+
+  SolverWork total() const {
+    SolverWork sum;
+    for (const Solver& s : k_solvers) sum += this->*s.work;
+    return sum;
+  }
+  SolveCounters& operator+=(const SolveCounters& c) {
+    for (const Solver& s : k_solvers) this->*s.work += c.*s.work;
+    return *this;
+  }
 };
+
+inline constexpr std::array<SolveCounters::Solver, 3> SolveCounters::k_solvers{{
+    {"blobs", &SolveCounters::blobs},
+    {"blob_packets", &SolveCounters::blob_packets},
+    {"code", &SolveCounters::code},
+}};
 
 /// The part of the ray in the cell, padded so that no wall between two cells is a gap; false if there is none.
 /// The pad is small enough that the cell's list of elements is still whole (the builder keeps the same margin).
@@ -61,12 +96,12 @@ Vec3 cell_gradient(const ShapeCells&, const Cell&, const Vec3& p);
 // The solvers behind `solve`:
 
 /// Sums of point blobs; SIMD, dispatched at run time.
-bool solve_blobs(const ShapeCells&, const Cell&, const RaySegment&, SolveCounters&, float& t);
+bool solve_blobs(const ShapeCells&, const Cell&, const RaySegment&, SolverWork&, float& t);
 uint32_t solve_blobs_lanes(const ShapeCells&, const Cell&, const RayLanes&, SolveCounters&, float* t);
 Vec3 blobs_gradient(const ShapeCells&, const Cell&, const Vec3& p);
 /// Any cell, by `solve`.
 uint32_t solve_one_by_one(const ShapeCells&, const Cell&, const RayLanes&, SolveCounters&, float* t);
 /// Any code.
-bool solve_code(const ShapeCells&, const Cell&, const RaySegment&, SolveCounters&, float& t);
+bool solve_code(const ShapeCells&, const Cell&, const RaySegment&, SolverWork&, float& t);
 
 } // namespace kelpie

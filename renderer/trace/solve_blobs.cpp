@@ -51,8 +51,8 @@ alignas(64) constexpr float k_places[k_samples] = {-1,       -13.f / 15, -11.f /
 template <bool Pure>
 class BlobSolver {
 public:
-  BlobSolver(float threshold, bool from_inside, SolveCounters& counters, ActiveBlobs& active)
-      : threshold_(threshold), sign_(from_inside ? -1.f : 1.f), negligible_(1e-5f * threshold), counters_(counters), active_(active) {}
+  BlobSolver(float threshold, bool from_inside, SolverWork& work, ActiveBlobs& active)
+      : threshold_(threshold), sign_(from_inside ? -1.f : 1.f), negligible_(1e-5f * threshold), work_(work), active_(active) {}
 
   bool run(const float* blobs, size_t n, const RaySegment& ray, float& t) {
     const float middle = 0.5f * (ray.t0 + ray.t1);
@@ -121,7 +121,7 @@ private:
 
   /// g = ±(f - T) at 16 places; negative before the surface.
   void sample(float middle, float half, float* g) const {
-    counters_.evaluations += k_samples;
+    work_.evaluations += k_samples;
     const Lanes l = k_lanes;
     V s[k_vectors], f[k_vectors];
     for (size_t j = 0; j < k_vectors; ++j) {
@@ -144,7 +144,7 @@ private:
 
   /// g at one place, with blobs in lanes.
   float at(float place) const {
-    ++counters_.evaluations;
+    ++work_.evaluations;
     const Lanes l = k_lanes;
     const V s = hn::Set(l, place), zero = hn::Zero(l);
     V f = zero;
@@ -211,16 +211,16 @@ private:
 
   float threshold_, sign_, negligible_;
   float curvature_ = 0; ///< C: sign * f'' >= -C on the segment
-  SolveCounters& counters_;
+  SolverWork& work_;
   ActiveBlobs& active_;
 };
 
-bool SolveBlobs(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolveCounters& counters, float& t) {
+bool SolveBlobs(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolverWork& work, float& t) {
   thread_local ActiveBlobs active;
   const auto threshold = static_cast<float>(shape.program.threshold);
   if (cell.content == Cell::Content::pure_blobs)
-    return BlobSolver<true>(threshold, ray.from_inside, counters, active).run(shape.blobs(cell), cell.count, ray, t);
-  return BlobSolver<false>(threshold, ray.from_inside, counters, active).run(shape.blobs(cell), cell.count, ray, t);
+    return BlobSolver<true>(threshold, ray.from_inside, work, active).run(shape.blobs(cell), cell.count, ray, t);
+  return BlobSolver<false>(threshold, ray.from_inside, work, active).run(shape.blobs(cell), cell.count, ray, t);
 }
 
 /// d/dp of q^2 (w + v q) with q = s - k |p - c|^2: -2 k q (2 w + 3 v q) (p - c).
@@ -258,8 +258,8 @@ namespace kelpie {
 HWY_EXPORT(SolveBlobs);
 HWY_EXPORT(BlobsGradient);
 
-bool solve_blobs(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolveCounters& counters, float& t) {
-  return HWY_DYNAMIC_DISPATCH(SolveBlobs)(shape, cell, ray, counters, t);
+bool solve_blobs(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolverWork& work, float& t) {
+  return HWY_DYNAMIC_DISPATCH(SolveBlobs)(shape, cell, ray, work, t);
 }
 
 Vec3 blobs_gradient(const ShapeCells& shape, const Cell& cell, const Vec3& p) {

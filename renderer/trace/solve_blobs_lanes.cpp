@@ -115,8 +115,8 @@ private:
 template <bool Pure>
 class LaneSolver {
 public:
-  LaneSolver(float threshold, SolveCounters& counters, std::array<LaneBlobs, 2>& active)
-      : threshold_(threshold), negligible_(1e-5f * threshold), counters_(counters), active_(active) {}
+  LaneSolver(float threshold, SolverWork& work, std::array<LaneBlobs, 2>& active)
+      : threshold_(threshold), negligible_(1e-5f * threshold), work_(work), active_(active) {}
 
   /// The lanes that hit, in `hit`; those that only the solver for single rays can answer, in `unsure`.
   /// `enough`: where a lane may stop at any point that is inside, up to this t.
@@ -194,7 +194,7 @@ private:
 
   /// f - T, each lane at its place.
   V at(V s) const {
-    counters_.evaluations += hn::CountTrue(k_lanes, live_);
+    work_.evaluations += hn::CountTrue(k_lanes, live_);
     V even = set(-threshold_), odd = hn::Zero(k_lanes);
     for (size_t i = 0; i < active_[0].count; ++i) even = term(active_[0], i, s, even), odd = term(active_[1], i, s, odd);
     return hn::Add(even, odd);
@@ -273,7 +273,7 @@ private:
   V half_;
   V curvature_; ///< C: f'' >= -C on the segment
   M live_;      ///< lanes without an answer
-  SolveCounters& counters_;
+  SolverWork& work_;
   /// Blobs of even and of odd number, two sums, or the additions would wait for each other. (By number, not by
   /// place in the list: that depends on the other lanes, and with it would the rounding.)
   std::array<LaneBlobs, 2>& active_;
@@ -281,14 +281,14 @@ private:
 
 /// Answers the lanes that are unsure one by one.
 void settle(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, size_t first, const Segments& segments, uint32_t unsure,
-            uint32_t& hits, SolveCounters& counters, float* t) {
+            uint32_t& hits, SolverWork& work, float* t) {
   alignas(64) float t0[k_width], t1[k_width], entry[k_width];
   hn::Store(segments.t0, k_lanes, t0), hn::Store(segments.t1, k_lanes, t1), hn::Store(segments.entry, k_lanes, entry);
   for (size_t i = 0; i < k_width; ++i) {
     if (!(unsure >> i & 1)) continue;
     const Ray ray = rays.ray(first + i);
     float root;
-    if (!solve_blobs(shape, cell, {ray.origin, ray.direction, t0[i], t1[i], entry[i], false}, counters, root)) continue;
+    if (!solve_blobs(shape, cell, {ray.origin, ray.direction, t0[i], t1[i], entry[i], false}, work, root)) continue;
     root = std::max(root, entry[i]);
     t[i] = hits >> i & 1 ? std::min(root, t[i]) : root;
     hits |= 1u << i;
@@ -300,15 +300,15 @@ uint32_t SolveGroup(const ShapeCells& shape, const Cell& cell, const RayLanes& r
   thread_local std::array<LaneBlobs, 2> active;
   const Segments segments(rays, first, cell.box);
   if (none(segments.live)) return 0;
-  counters.cells += hn::CountTrue(k_lanes, segments.live);
+  counters.blob_packets.cells += hn::CountTrue(k_lanes, segments.live);
   const V enough = rays.any ? hn::LoadU(k_lanes, rays.t_far + first) : set(-std::numeric_limits<float>::infinity());
   M hit, unsure;
   V at = hn::Zero(k_lanes);
-  LaneSolver<Pure>(static_cast<float>(shape.program.threshold), counters, active)
+  LaneSolver<Pure>(static_cast<float>(shape.program.threshold), counters.blob_packets, active)
       .run(shape.blobs(cell), cell.count, segments, enough, hit, unsure, at);
   hn::StoreU(at, k_lanes, t);
   uint32_t hits = bits_of(hit);
-  if (!none(unsure)) settle(shape, cell, rays, first, segments, bits_of(unsure), hits, counters, t);
+  if (!none(unsure)) settle(shape, cell, rays, first, segments, bits_of(unsure), hits, counters.blobs, t);
   return hits;
 }
 

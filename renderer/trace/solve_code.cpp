@@ -17,9 +17,9 @@ namespace {
 
 class CodeSolver {
 public:
-  CodeSolver(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolveCounters& counters)
+  CodeSolver(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolverWork& work)
       : program_(shape.program), code_(shape.code(cell)), origin_(ray.origin), direction_(ray.direction), sign_(ray.from_inside ? -1 : 1),
-        counters_(counters),
+        work_(work),
         // Below this width a stretch of ray is a point: far below the offset of secondary rays.
         width_(std::max(1e-4 * cell.epsilon, 2e-7 * std::abs(double(ray.t1)))) {}
 
@@ -47,14 +47,14 @@ private:
   enum class Verdict { none, hit, split };
 
   double g(double t) const {
-    ++counters_.evaluations;
+    ++work_.evaluations;
     const Vec3d p = origin_ + t * direction_;
     return sign_ * (evaluate(program_, code_, Point3<double>{p.x, p.y, p.z}) - program_.threshold);
   }
 
   /// g and its derivative over a stretch.
   Dual<Interval, 1> bounds(const Stretch& s) const {
-    ++counters_.evaluations;
+    ++work_.evaluations;
     using D = Dual<Interval, 1>;
     // From the middle of the stretch, which keeps the terms, and so their rounding, small.
     const double half = 0.5 * (s.t1 - s.t0);
@@ -112,15 +112,15 @@ private:
   CodeView code_;
   Vec3d origin_, direction_;
   double sign_;
-  SolveCounters& counters_;
+  SolverWork& work_;
   double width_;
 };
 
 } // namespace
 
-bool solve_code(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolveCounters& counters, float& t) {
+bool solve_code(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolverWork& work, float& t) {
   double root = 0;
-  if (!CodeSolver(shape, cell, ray, counters).first(ray.t0, ray.t1, root)) return false;
+  if (!CodeSolver(shape, cell, ray, work).first(ray.t0, ray.t1, root)) return false;
   t = static_cast<float>(root);
   return true;
 }
