@@ -1,6 +1,8 @@
 // The kinds of field of this folder. A new kind is its header and its line here.
 #pragma once
 
+#include <concepts>
+
 #include "field/clouds/blobs.h"
 #include "field/operators/blend.h"
 #include "field/operators/difference.h"
@@ -53,6 +55,13 @@ concept Skeleton = requires(const K k, Point3<double> p, Point3<Interval> b) {
   k.support();
   k.potential(p);
   k.potential(b);
+};
+/// A skeleton whose potential is weight * falloff(d^2/radius^2) of the distance to a cone-sphere:
+/// `ConeSphereSolid solid()`.
+template <class K>
+concept ConeSphereSkeleton = Skeleton<K> && requires(const K k) {
+  { k.solid() } -> std::same_as<ConeSphereSolid>;
+  k.radius, k.weight, k.falloff;
 };
 /// Joins the values of its children.
 template <class K>

@@ -98,6 +98,8 @@ chains of cone-spheres. Source: methods.md section 2, skeletons.)";
 
   // Sampled:
 
+  ConeSphereSolid solid() const { return {Vec3d(from), Vec3d(to), from_radius, to_radius}; }
+
   Box3 support() const {
     const double a = double(from_radius) + double(radius), b = double(to_radius) + double(radius);
     Box3d box{Vec3d(from) - a, Vec3d(from) + a};

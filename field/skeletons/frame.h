@@ -47,6 +47,12 @@ struct AxisFrame {
   }
 };
 
+/// Two balls and the cone that touches both: what the engine solves fastest. Points and segments are the thinnest.
+struct ConeSphereSolid {
+  Vec3d from, to;
+  double from_radius, to_radius;
+};
+
 /// In float, with nothing of the box lost to rounding.
 inline Box3 rounded_outward(const Box3d& b) {
   const Vec3d size = glm::max(glm::abs(b.lower), glm::abs(b.upper));

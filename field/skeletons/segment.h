@@ -2,6 +2,7 @@
 
 #include "base/box.h"
 #include "field/falloff.h"
+#include "field/skeletons/frame.h"
 
 namespace kelpie {
 
@@ -31,6 +32,8 @@ Equal ends make it a `point`. Source: methods.md section 2.)";
   }
 
   // Sampled:
+
+  ConeSphereSolid solid() const { return {Vec3d(from), Vec3d(to), 0, 0}; }
 
   Box3 support() const {
     Box3 box;

@@ -9,7 +9,7 @@
 namespace kelpie {
 
 size_t ShapeCells::bytes() const {
-  return cells.size() * sizeof(Cell) + blob_data.size() * sizeof(float) + steps.size() * sizeof(Instruction) +
+  return cells.size() * sizeof(Cell) + leaf_data.size() * sizeof(float) + steps.size() * sizeof(Instruction) + tree_steps.size() * sizeof(TreeStep) +
          (operands.size() + blob_indices.size()) * sizeof(uint32_t);
 }
 
@@ -65,15 +65,18 @@ private:
     std::array<ShapeCells, 8> parts;
     tbb::parallel_for(size_t(0), count, [&](size_t i) { build(children[i], code, depth + 1, parts[i]); });
     size_t cells = 0, data = 0; // growing step by step would copy what is large
-    for (const ShapeCells& part : parts) cells += part.cells.size(), data += part.blob_data.size();
-    out.cells.reserve(out.cells.size() + cells), out.blob_data.reserve(out.blob_data.size() + data);
+    for (const ShapeCells& part : parts) cells += part.cells.size(), data += part.leaf_data.size();
+    out.cells.reserve(out.cells.size() + cells), out.leaf_data.reserve(out.leaf_data.size() + data);
     for (size_t i = 0; i < count; ++i) append(parts[i], out);
   }
 
   /// In the order of the children, whatever thread was first.
   static void append(const ShapeCells& part, ShapeCells& out) {
     for (Cell cell : part.cells) {
-      cell.first += cell.content == Cell::Content::code ? out.steps.size() : out.blob_data.size();
+      cell.leaves += out.leaf_data.size();
+      cell.first += cell.content == Cell::Content::code   ? out.steps.size()
+                    : cell.content == Cell::Content::tree ? out.tree_steps.size()
+                                                          : out.leaf_data.size();
       out.cells.push_back(cell);
     }
     const auto operands = static_cast<uint32_t>(out.operands.size()), blobs = static_cast<uint32_t>(out.blob_indices.size());
@@ -83,7 +86,8 @@ private:
     }
     out.operands.insert(out.operands.end(), part.operands.begin(), part.operands.end());
     out.blob_indices.insert(out.blob_indices.end(), part.blob_indices.begin(), part.blob_indices.end());
-    out.blob_data.insert(out.blob_data.end(), part.blob_data.begin(), part.blob_data.end());
+    out.leaf_data.insert(out.leaf_data.end(), part.leaf_data.begin(), part.leaf_data.end());
+    out.tree_steps.insert(out.tree_steps.end(), part.tree_steps.begin(), part.tree_steps.end());
   }
 
   void add_cell(const Box3d& box, const Code& code, double radius, ShapeCells& out) const {
@@ -93,7 +97,7 @@ private:
     const bool is_sum = code.steps.size() == 1 && code.steps[0].kind == Instruction::Kind::blobs && code.steps[0].space == 0;
     if (is_sum)
       add_blobs(code.blobs, cell, out);
-    else
+    else if (!add_tree(code, cell, out))
       add_code(code, cell, out);
     out.cells.push_back(cell);
   }
@@ -102,11 +106,11 @@ private:
     const BlobArrays& s = program_.blobs;
     bool pure = true;
     for (const uint32_t i : list) pure = pure && s.b[i] == 0 && s.a[i] > 0;
-    const size_t n = (list.size() + k_blob_group - 1) / k_blob_group * k_blob_group;
+    const size_t n = (list.size() + k_leaf_group - 1) / k_leaf_group * k_leaf_group;
     cell.content = pure ? Cell::Content::pure_blobs : Cell::Content::mixed_blobs;
-    cell.count = static_cast<uint32_t>(n), cell.first = out.blob_data.size();
-    out.blob_data.resize(out.blob_data.size() + n * (pure ? 5 : 7));
-    float* data = out.blob_data.data() + cell.first;
+    cell.count = static_cast<uint32_t>(n), cell.first = out.leaf_data.size();
+    out.leaf_data.resize(out.leaf_data.size() + n * (pure ? 5 : 7));
+    float* data = out.leaf_data.data() + cell.first;
     for (size_t j = 0; j < n; ++j) {
       if (j >= list.size()) { // padding: s < 0 is 0 everywhere
         data[3 * n + j] = -1;
@@ -118,6 +122,15 @@ private:
       data[3 * n + j] = root, data[4 * n + j] = root * s.k[i];
       if (!pure) data[5 * n + j] = s.a[i], data[6 * n + j] = s.b[i];
     }
+  }
+
+  bool add_tree(const Code& code, Cell& cell, ShapeCells& out) const {
+    cell.first = out.tree_steps.size(), cell.leaves = out.leaf_data.size();
+    cell.leaf_count = make_tree(program_, code, Vec3d(cell.box.centre()), out.tree_steps, out.leaf_data);
+    if (cell.leaf_count == 0) return false;
+    cell.content = Cell::Content::tree;
+    cell.count = static_cast<uint32_t>(out.tree_steps.size() - cell.first);
+    return true;
   }
 
   static void add_code(const Code& code, Cell& cell, ShapeCells& out) {

@@ -3,31 +3,33 @@
 #pragma once
 
 #include "base/box.h"
+#include "renderer/cells/tree.h"
 #include "renderer/program/evaluate.h"
 
 namespace kelpie {
-
-/// Lists are padded to whole groups of this many blobs, so that any vector width reads them whole.
-inline constexpr uint32_t k_blob_group = 16;
 
 struct Cell {
   enum class Content : uint32_t {
     pure_blobs,  ///< a sum of quartic blobs of positive weight: arrays x y z s k with f = sum max(0, s - k d^2)^2
     mixed_blobs, ///< a sum of any blobs: arrays x y z s=1 k a b with f = sum q^2 (a + b q), q = max(0, s - k d^2)
+    tree,        ///< sums, Booleans and cone-spheres: see tree.h
     code,        ///< anything else
   };
   Box3 box;
   Content content = Content::code;
   uint32_t count = 0; ///< blobs, padding included; or steps
-  uint64_t first = 0; ///< into ShapeCells::blob_data or ::steps
+  uint64_t first = 0; ///< into ShapeCells::leaf_data, ::tree_steps or ::steps
   float epsilon = 0;  ///< offset of secondary rays along the normal: 1e-3 of the smallest radius of influence
+  uint32_t leaf_count = 0; ///< of a tree, padding included
+  uint64_t leaves = 0;     ///< of a tree: into ShapeCells::leaf_data
 };
 
 /// All cells of one shape. The code of a cell refers to `operands` and `blob_indices` from their starts.
 struct ShapeCells {
   FieldProgram program;
   std::vector<Cell> cells;
-  std::vector<float> blob_data;
+  std::vector<float> leaf_data; ///< blobs, and the leaves of trees
+  std::vector<TreeStep> tree_steps;
   std::vector<Instruction> steps;
   std::vector<uint32_t> operands, blob_indices;
 
@@ -36,7 +38,10 @@ struct ShapeCells {
     view.steps = std::span(steps).subspan(c.first, c.count), view.operands = operands, view.blobs = blob_indices;
     return view;
   }
-  const float* blobs(const Cell& c) const { return blob_data.data() + c.first; }
+  TreeView tree(const Cell& c) const {
+    return {std::span(tree_steps).subspan(c.first, c.count), leaf_data.data() + c.leaves, c.leaf_count};
+  }
+  const float* blobs(const Cell& c) const { return leaf_data.data() + c.first; }
   size_t bytes() const;
 };
 

@@ -25,15 +25,16 @@ bool clip(const Cell& cell, const Ray& ray, bool from_inside, RaySegment& out) {
 }
 
 bool solve(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolveCounters& counters, float& t) {
-  const bool is_code = cell.content == Cell::Content::code;
-  SolverWork& work = is_code ? counters.code : counters.blobs;
-  ++work.cells;
-  return is_code ? solve_code(shape, cell, ray, work, t) : solve_blobs(shape, cell, ray, work, t);
+  switch (cell.content) {
+  case Cell::Content::tree: ++counters.trees.cells; return solve_tree(shape, cell, ray, counters.trees, t);
+  case Cell::Content::code: ++counters.code.cells; return solve_code(shape, cell, ray, counters.code, t);
+  default: ++counters.blobs.cells; return solve_blobs(shape, cell, ray, counters.blobs, t);
+  }
 }
 
 uint32_t solve_lanes(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, SolveCounters& counters, float* t) {
-  return cell.content == Cell::Content::code ? solve_one_by_one(shape, cell, rays, counters, t)
-                                             : solve_blobs_lanes(shape, cell, rays, counters, t);
+  const bool is_cloud = cell.content == Cell::Content::pure_blobs || cell.content == Cell::Content::mixed_blobs;
+  return is_cloud ? solve_blobs_lanes(shape, cell, rays, counters, t) : solve_one_by_one(shape, cell, rays, counters, t);
 }
 
 uint32_t solve_one_by_one(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, SolveCounters& counters, float* t) {
@@ -49,8 +50,11 @@ uint32_t solve_one_by_one(const ShapeCells& shape, const Cell& cell, const RayLa
 }
 
 Vec3 cell_gradient(const ShapeCells& shape, const Cell& cell, const Vec3& p) {
-  if (cell.content != Cell::Content::code) return blobs_gradient(shape, cell, p);
-  return Vec3(gradient(shape.program, shape.code(cell), Vec3d(p)));
+  switch (cell.content) {
+  case Cell::Content::tree: return tree_gradient(shape, cell, p);
+  case Cell::Content::code: return Vec3(gradient(shape.program, shape.code(cell), Vec3d(p)));
+  default: return blobs_gradient(shape, cell, p);
+  }
 }
 
 } // namespace kelpie

@@ -48,13 +48,13 @@ struct SolverWork {
 
 /// What the solvers did, for statistics; one per thread.
 struct SolveCounters {
-  SolverWork blobs, blob_packets, code;
+  SolverWork blobs, blob_packets, trees, tree_packets, code;
 
   struct Solver {
     std::string_view name; ///< in statistics
     SolverWork SolveCounters::*work;
   };
-  static const std::array<Solver, 3> k_solvers;
+  static const std::array<Solver, 5> k_solvers;
 
   SolverWork total() const {
     SolverWork sum;
@@ -67,9 +67,11 @@ struct SolveCounters {
   }
 };
 
-inline constexpr std::array<SolveCounters::Solver, 3> SolveCounters::k_solvers{{
+inline constexpr std::array<SolveCounters::Solver, 5> SolveCounters::k_solvers{{
     {"blobs", &SolveCounters::blobs},
     {"blob_packets", &SolveCounters::blob_packets},
+    {"trees", &SolveCounters::trees},
+    {"tree_packets", &SolveCounters::tree_packets},
     {"code", &SolveCounters::code},
 }};
 
@@ -101,6 +103,9 @@ uint32_t solve_blobs_lanes(const ShapeCells&, const Cell&, const RayLanes&, Solv
 Vec3 blobs_gradient(const ShapeCells&, const Cell&, const Vec3& p);
 /// Any cell, by `solve`.
 uint32_t solve_one_by_one(const ShapeCells&, const Cell&, const RayLanes&, SolveCounters&, float* t);
+/// Trees of cone-spheres; SIMD, dispatched at run time.
+bool solve_tree(const ShapeCells&, const Cell&, const RaySegment&, SolverWork&, float& t);
+Vec3 tree_gradient(const ShapeCells&, const Cell&, const Vec3& p);
 /// Any code.
 bool solve_code(const ShapeCells&, const Cell&, const RaySegment&, SolverWork&, float& t);
 

@@ -22,8 +22,8 @@ struct ActiveBlobs {
   size_t count = 0;
 
   void reserve(size_t n) {
-    if (a.size() < n + 2 * k_blob_group)
-      for (auto* list : {&a, &b, &c, &w, &v}) list->resize(n + 2 * k_blob_group);
+    if (a.size() < n + 2 * k_leaf_group)
+      for (auto* list : {&a, &b, &c, &w, &v}) list->resize(n + 2 * k_leaf_group);
   }
 };
 

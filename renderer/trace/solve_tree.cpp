@@ -1,0 +1,448 @@
+// The solver for trees of cone-spheres. Along a ray the distance to a convex solid is convex, so its tangent at
+// the middle of a stretch bounds it from below over the stretch, and the larger of its ends from above. With
+// these every leaf, and by the operators (each monotone in each operand) the field, has a bound over a stretch
+// that misses the field by the square of the stretch's length. 16 stretches are bounded at once in SIMD lanes.
+// A stretch that the bound does not clear is looked into 16 times finer. Nothing is missed, nothing is guessed.
+//
+// Where only one ray and one place are asked for, the lanes are the leaves.
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "renderer/trace/solve_tree.cpp"
+#include <hwy/aligned_allocator.h>
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <array>
+#include <cmath>
+
+#include "renderer/trace/solve.h"
+
+#ifndef KELPIE_SOLVE_TREE_ONCE
+#define KELPIE_SOLVE_TREE_ONCE
+namespace kelpie {
+
+/// A ray in the frames of a tree's leaves: (x, y, z)(s) = 0 + 1 s. And a number of each leaf, by the latest question.
+struct TreeRay {
+  std::vector<float> x0, y0, z0, x1, y1, z1, value;
+  std::vector<char> is_active; ///< the leaf reaches the segment
+
+  void resize(size_t n) {
+    if (x0.size() >= n) return;
+    for (auto* list : {&x0, &y0, &z0, &x1, &y1, &z1, &value}) list->resize(n);
+    is_active.resize(n);
+  }
+};
+
+inline constexpr size_t k_stretches = 16;
+/// Each level is 16 times finer: finer than any float at the last.
+inline constexpr int k_most_levels = 7;
+
+/// Joins `count` values, the last one being top[-1], to one. For anything that has max, min and arithmetic.
+template <class T, class Max, class Min>
+T join(const TreeStep& step, const T* f, T twice_threshold, T zero, const Max& larger, const Min& smaller) {
+  T r = f[0];
+  for (uint32_t i = 1; i < step.count; ++i) switch (step.kind) {
+    case TreeStep::Kind::maximum: r = larger(r, f[i]); break;
+    case TreeStep::Kind::minimum: r = smaller(r, f[i]); break;
+    case TreeStep::Kind::difference: r = smaller(r, twice_threshold - f[i]); break;
+    default: r = r + f[i];
+    }
+  return step.kind == TreeStep::Kind::difference ? larger(zero, r) : r;
+}
+
+} // namespace kelpie
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace kelpie {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Lanes = hn::CappedTag<float, k_stretches>;
+using V = hn::Vec<Lanes>;
+constexpr Lanes k_lanes{};
+constexpr size_t k_width = hn::MaxLanes(Lanes{});
+constexpr size_t k_vectors = k_stretches / k_width;
+
+inline V set(float v) { return hn::Set(k_lanes, v); }
+
+/// The numbers of a leaf in every lane, or of a leaf a lane.
+struct Leaf {
+  V s_low, s_high, r, sine, slope, k, a, b;
+
+  static Leaf each(const TreeView& tree, size_t first) {
+    const auto row = [&](LeafRow r) { return hn::LoadU(k_lanes, tree.leaves + r * tree.leaf_count + first); };
+    return of(row);
+  }
+  static Leaf all(const TreeView& tree, size_t i) {
+    const auto row = [&](LeafRow r) { return set(tree.leaves[r * tree.leaf_count + i]); };
+    return of(row);
+  }
+
+  /// q^2 (a + b q), q = max(0, 1 - k d^2).
+  V potential(V d2) const {
+    const V q = hn::Max(hn::NegMulAdd(k, d2, set(1)), hn::Zero(k_lanes));
+    return hn::Mul(hn::Mul(q, q), hn::MulAdd(b, q, a));
+  }
+
+private:
+  template <class Row>
+  static Leaf of(const Row& row) {
+    return {row(leaf_s_low), row(leaf_s_high), row(leaf_r), row(leaf_sine), row(leaf_slope), row(leaf_k), row(leaf_a), row(leaf_b)};
+  }
+};
+
+/// A place in a leaf's frame, seen from the nearest point of its axis: the distance is length - radius.
+struct Offset {
+  V x, y, z, length, radius;
+
+  Offset(const Leaf& leaf, V x_, V y_, V z_) : x(x_), y(y_) {
+    const V across2 = hn::MulAdd(x, x, hn::Mul(y, y));
+    const V s = hn::Min(hn::Max(hn::NegMulAdd(leaf.slope, hn::Sqrt(across2), z_), leaf.s_low), leaf.s_high);
+    z = hn::Sub(z_, s);
+    length = hn::Sqrt(hn::MulAdd(z, z, across2));
+    radius = hn::NegMulAdd(leaf.sine, s, leaf.r);
+  }
+
+  V distance() const { return hn::Sub(length, radius); }
+  /// The distance's derivative along (x1, y1, z1).
+  V rate(V x1, V y1, V z1) const {
+    return hn::Div(hn::MulAdd(x, x1, hn::MulAdd(y, y1, hn::Mul(z, z1))), hn::Max(length, set(1e-30f)));
+  }
+};
+
+inline V square_of_positive(V v) {
+  const V p = hn::Max(v, hn::Zero(k_lanes));
+  return hn::Mul(p, p);
+}
+
+/// 16 numbers.
+struct Row {
+  V v[k_vectors];
+};
+
+class TreeSolver {
+public:
+  TreeSolver(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolverWork& work, TreeRay& scratch)
+      : tree_(shape.tree(cell)), threshold_(static_cast<float>(shape.program.threshold)), sign_(ray.from_inside ? -1.f : 1.f),
+        negligible_(1e-5f * threshold_),
+        // Below this width a stretch of ray is a point: far below the offset of secondary rays.
+        width_(std::max(1e-4f * cell.epsilon, 2e-7f * std::abs(ray.t1))), work_(work), ray_(scratch) {}
+
+  bool run(const Vec3& centre, const RaySegment& ray, float& t) {
+    const float middle = 0.5f * (ray.t0 + ray.t1), half = 0.5f * (ray.t1 - ray.t0);
+    const Vec3 m(Vec3d(ray.origin) + double(middle) * Vec3d(ray.direction) - Vec3d(centre));
+    if (!set_up(m, ray.direction, half)) return false;
+    float root;
+    if (!first(-half, half, 0, root)) return false;
+    t = middle + root;
+    return true;
+  }
+
+private:
+  /// Puts the ray into the frames of the leaves; false if the field cannot reach the threshold on the segment.
+  bool set_up(const Vec3& m, const Vec3& d, float half) {
+    const size_t n = tree_.leaf_count;
+    ray_.resize(n);
+    const V mx = set(m.x), my = set(m.y), mz = set(m.z), dx = set(d.x), dy = set(d.y), dz = set(d.z), h = set(half);
+    bool any = false;
+    for (size_t i = 0; i < n; i += k_width) {
+      const auto row = [&](uint32_t r) { return hn::LoadU(k_lanes, tree_.leaves + r * n + i); };
+      const auto along = [&](uint32_t r) { return hn::MulAdd(row(r), dx, hn::MulAdd(row(r + 1), dy, hn::Mul(row(r + 2), dz))); };
+      const auto at = [&](uint32_t r) { return hn::MulAdd(row(r), mx, hn::MulAdd(row(r + 1), my, hn::MulAdd(row(r + 2), mz, row(r + 3)))); };
+      const V x = at(leaf_xx), y = at(leaf_yx), z = at(leaf_zx), x1 = along(leaf_xx), y1 = along(leaf_yx), z1 = along(leaf_zx);
+      hn::StoreU(x, k_lanes, &ray_.x0[i]), hn::StoreU(y, k_lanes, &ray_.y0[i]), hn::StoreU(z, k_lanes, &ray_.z0[i]);
+      hn::StoreU(x1, k_lanes, &ray_.x1[i]), hn::StoreU(y1, k_lanes, &ray_.y1[i]), hn::StoreU(z1, k_lanes, &ray_.z1[i]);
+      const Leaf leaf = Leaf::each(tree_, i);
+      const Offset offset(leaf, x, y, z);
+      const V least = hn::NegMulAdd(hn::Abs(offset.rate(x1, y1, z1)), h, offset.distance());
+      const V peak = leaf.potential(square_of_positive(least));
+      hn::StoreU(peak, k_lanes, &ray_.value[i]);
+      const auto reaches = hn::Ne(peak, hn::Zero(k_lanes));
+      any |= !hn::AllFalse(k_lanes, reaches);
+      uint8_t bits[8] = {};
+      hn::StoreMaskBits(k_lanes, reaches, bits);
+      for (size_t j = 0; j < k_width; ++j) ray_.is_active[i + j] = bits[j / 8] >> (j % 8) & 1;
+    }
+    if (!any && sign_ > 0) return false;
+    // What a leaf can be at most, 0 if it can only take away.
+    const float most = sign_ * (join_all([&](const TreeStep& step, size_t i) {
+                         const bool wants_upper = step.is_subtracted == (sign_ < 0);
+                         return wants_upper ? std::max(ray_.value[i], 0.f) : std::min(ray_.value[i], 0.f);
+                       }) - threshold_);
+    return most >= -1e-6f * threshold_;
+  }
+
+  /// The field, where leaf i of a step yields leaf(step, i).
+  template <class LeafValue>
+  float join_all(const LeafValue& leaf) const {
+    float stack[k_tree_depth + 1];
+    size_t depth = 0;
+    for (const TreeStep& step : tree_.steps) {
+      if (step.kind == TreeStep::Kind::leaves) {
+        float sum = 0;
+        for (uint32_t i = step.first; i < step.first + step.count; ++i)
+          if (ray_.is_active[i]) sum += leaf(step, i);
+        stack[depth++] = sum;
+        continue;
+      }
+      depth -= step.count;
+      const auto larger = [](float a, float b) { return std::max(a, b); };
+      const auto smaller = [](float a, float b) { return std::min(a, b); };
+      stack[depth] = join(step, stack + depth, 2 * threshold_, 0.f, larger, smaller);
+      ++depth;
+    }
+    return stack[0];
+  }
+
+  Offset offset_of_leaves(const Leaf& leaf, size_t i, V s) const {
+    const auto at = [&](const std::vector<float>& v0, const std::vector<float>& v1) {
+      return hn::MulAdd(hn::LoadU(k_lanes, &v1[i]), s, hn::LoadU(k_lanes, &v0[i]));
+    };
+    return {leaf, at(ray_.x0, ray_.x1), at(ray_.y0, ray_.y1), at(ray_.z0, ray_.z1)};
+  }
+
+  /// g = ±(f - T) at one place; negative before the surface.
+  float at(float place) const {
+    ++work_.evaluations;
+    for (size_t i = 0; i < tree_.leaf_count; i += k_width) {
+      const Leaf leaf = Leaf::each(tree_, i);
+      hn::StoreU(leaf.potential(square_of_positive(offset_of_leaves(leaf, i, set(place)).distance())), k_lanes, &ray_.value[i]);
+    }
+    return sign_ * (join_all([&](const TreeStep&, size_t i) { return ray_.value[i]; }) - threshold_);
+  }
+
+  /// Whether g surely rises all the way from `from` to `to`: every leaf comes nearer that makes it rise, and none
+  /// reaches that makes it fall. The distances being convex, `to` tells.
+  bool is_rising(float from, float to) const {
+    if (sign_ < 0) return false;
+    const V zero = hn::Zero(k_lanes), s = set(to), length = set(to - from);
+    for (size_t i = 0; i < tree_.leaf_count; i += k_width) {
+      const Leaf leaf = Leaf::each(tree_, i);
+      const Offset offset = offset_of_leaves(leaf, i, s);
+      const V rate = offset.rate(hn::LoadU(k_lanes, &ray_.x1[i]), hn::LoadU(k_lanes, &ray_.y1[i]), hn::LoadU(k_lanes, &ray_.z1[i]));
+      const V sign = hn::LoadU(k_lanes, tree_.leaves + leaf_sign * tree_.leaf_count + i);
+      const V least = hn::NegMulAdd(hn::Max(rate, zero), length, offset.distance());
+      const V nearest = hn::IfThenElse(hn::Lt(rate, zero), offset.distance(), least);
+      const auto reaches = hn::Lt(hn::Mul(square_of_positive(nearest), leaf.k), set(1));
+      const auto approaches = hn::And(hn::Gt(sign, zero), hn::Le(rate, zero));
+      if (!hn::AllFalse(k_lanes, hn::AndNot(approaches, reaches))) return false;
+    }
+    return true;
+  }
+
+  /// g in the middle of 16 stretches, and what it is at most within.
+  void sample(const Row& places, const Row& halves, float* g, float* most) const {
+    work_.evaluations += k_stretches;
+    Row value[k_tree_depth + 1], bound[k_tree_depth + 1];
+    size_t depth = 0;
+    for (const TreeStep& step : tree_.steps) {
+      if (step.kind == TreeStep::Kind::leaves) {
+        add_leaves(step, places, halves, value[depth], bound[depth]);
+        ++depth;
+        continue;
+      }
+      depth -= step.count;
+      for (size_t j = 0; j < k_vectors; ++j) join_lanes(step, value + depth, j), join_lanes(step, bound + depth, j);
+      ++depth;
+    }
+    const V t = set(threshold_), sign = set(sign_);
+    for (size_t j = 0; j < k_vectors; ++j) {
+      hn::Store(hn::Mul(sign, hn::Sub(value[0].v[j], t)), k_lanes, g + j * k_width);
+      hn::Store(hn::Mul(sign, hn::Sub(bound[0].v[j], t)), k_lanes, most + j * k_width);
+    }
+  }
+
+  void join_lanes(const TreeStep& step, Row* f, size_t j) const {
+    V r = f[0].v[j];
+    const V twice = set(2 * threshold_);
+    for (uint32_t i = 1; i < step.count; ++i) {
+      const V x = f[i].v[j];
+      switch (step.kind) {
+      case TreeStep::Kind::maximum: r = hn::Max(r, x); break;
+      case TreeStep::Kind::minimum: r = hn::Min(r, x); break;
+      case TreeStep::Kind::difference: r = hn::Min(r, hn::Sub(twice, x)); break;
+      default: r = hn::Add(r, x);
+      }
+    }
+    f[0].v[j] = step.kind == TreeStep::Kind::difference ? hn::Max(r, hn::Zero(k_lanes)) : r;
+  }
+
+  void add_leaves(const TreeStep& step, const Row& places, const Row& halves, Row& value, Row& bound) const {
+    for (size_t j = 0; j < k_vectors; ++j) value.v[j] = bound.v[j] = hn::Zero(k_lanes);
+    const bool wants_upper = step.is_subtracted == (sign_ < 0);
+    for (uint32_t i = step.first; i < step.first + step.count; ++i) {
+      if (!ray_.is_active[i]) continue;
+      const Leaf leaf = Leaf::all(tree_, i);
+      const V x0 = set(ray_.x0[i]), y0 = set(ray_.y0[i]), z0 = set(ray_.z0[i]), x1 = set(ray_.x1[i]), y1 = set(ray_.y1[i]), z1 = set(ray_.z1[i]);
+      const auto offset_at = [&](V s) { return Offset(leaf, hn::MulAdd(x1, s, x0), hn::MulAdd(y1, s, y0), hn::MulAdd(z1, s, z0)); };
+      const bool wants_nearest = wants_upper == (tree_.leaves[leaf_a * tree_.leaf_count + i] + tree_.leaves[leaf_b * tree_.leaf_count + i] > 0);
+      for (size_t j = 0; j < k_vectors; ++j) {
+        const V s = places.v[j], h = halves.v[j];
+        const Offset offset = offset_at(s);
+        value.v[j] = hn::Add(value.v[j], leaf.potential(square_of_positive(offset.distance())));
+        const V extreme = wants_nearest ? hn::NegMulAdd(hn::Abs(offset.rate(x1, y1, z1)), h, offset.distance())
+                                        : hn::Max(offset_at(hn::Sub(s, h)).distance(), offset_at(hn::Add(s, h)).distance());
+        bound.v[j] = hn::Add(bound.v[j], leaf.potential(square_of_positive(extreme)));
+      }
+    }
+  }
+
+  /// The first place in [s0, s1] with g >= 0.
+  bool first(float s0, float s1, int level, float& root) const {
+    alignas(64) static constexpr float k_odd[k_stretches] = {1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31};
+    const float half = (s1 - s0) / 32;
+    Row places, halves;
+    for (size_t j = 0; j < k_vectors; ++j) {
+      places.v[j] = hn::MulAdd(hn::Load(k_lanes, k_odd + j * k_width), set(half), set(s0));
+      halves.v[j] = set(1.001f * half);
+    }
+    alignas(64) float g[k_stretches], most[k_stretches];
+    sample(places, halves, g, most);
+    const bool is_last = level + 1 >= k_most_levels || 2 * half <= width_;
+    for (size_t j = 0; j < k_stretches; ++j) {
+      if (most[j] < negligible_) continue;
+      const float left = s0 + half * float(2 * j), middle = s0 + half * float(2 * j + 1), right = s0 + half * float(2 * j + 2);
+      if (is_last) {
+        root = left;
+        if (g[j] >= 0) return true;
+        continue;
+      }
+      if (g[j] >= 0) {
+        const float g_left = at(left);
+        root = g_left >= 0 ? left : bracketed_root(left, g_left, middle, g[j]);
+        if (g_left < 0) look_before(left, level, root);
+        return true;
+      }
+      const float g_right = at(right);
+      if (g_right >= 0) {
+        root = bracketed_root(middle, g[j], right, g_right);
+        look_before(left, level, root);
+        return true;
+      }
+      if (first(left, right, level + 1, root)) return true;
+    }
+    return false;
+  }
+
+  /// Whether there is a root between `from` and `root`: if so, that is the root. Stretches get shorter towards
+  /// the root as the field gets nearer to 0, so that mostly the bound clears all of them.
+  void look_before(float from, int level, float& root) const {
+    if (is_rising(from, root)) return;
+    const float width = root - from;
+    alignas(64) static constexpr float k_powers[k_stretches + 1] = {1,       0x1p-1f,  0x1p-2f,  0x1p-3f,  0x1p-4f,  0x1p-5f,
+                                                                    0x1p-6f, 0x1p-7f,  0x1p-8f,  0x1p-9f,  0x1p-10f, 0x1p-11f,
+                                                                    0x1p-12f, 0x1p-13f, 0x1p-14f, 0x1p-15f, 0x1p-16f};
+    Row places, halves;
+    for (size_t j = 0; j < k_vectors; ++j) {
+      const V power = hn::Load(k_lanes, k_powers + j * k_width);
+      places.v[j] = hn::NegMulAdd(power, set(0.75f * width), set(root));
+      halves.v[j] = hn::Mul(power, set(0.2501f * width));
+    }
+    alignas(64) float g[k_stretches], most[k_stretches];
+    sample(places, halves, g, most);
+    for (size_t j = 0; j < k_stretches; ++j) {
+      if (most[j] < negligible_ || k_powers[j] * width <= width_) continue;
+      float nearer;
+      if (!first(root - k_powers[j] * width, root - k_powers[j + 1] * width, level + 1, nearer)) continue;
+      root = nearer;
+      return;
+    }
+  }
+
+  /// Regula falsi with the Illinois rule, to 1e-6 of the threshold.
+  float bracketed_root(float a, float ga, float b, float gb) const {
+    float r = b;
+    for (int i = 0; i < 20; ++i) {
+      r = a + (b - a) * (-ga / (gb - ga));
+      if (!(r > a && r < b)) break;
+      const float gr = at(r);
+      if (std::abs(gr) <= 1e-6f * threshold_) break;
+      if (gr < 0)
+        a = r, ga = gr, gb *= i > 0 ? 0.5f : 1.f;
+      else
+        b = r, gb = gr, ga *= i > 0 ? 0.5f : 1.f;
+    }
+    return std::min(std::max(r, a), b);
+  }
+
+  TreeView tree_;
+  float threshold_, sign_, negligible_, width_;
+  SolverWork& work_;
+  TreeRay& ray_;
+};
+
+bool SolveTree(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolverWork& work, float& t) {
+  thread_local TreeRay scratch;
+  return TreeSolver(shape, cell, ray, work, scratch).run(cell.box.centre(), ray, t);
+}
+
+/// Values and gradients of the leaves, a leaf a lane, then the operators.
+Vec3 TreeGradient(const ShapeCells& shape, const Cell& cell, const Vec3& place) {
+  thread_local std::array<std::vector<float>, 4> leaves; // value, gradient
+  const TreeView tree = shape.tree(cell);
+  const size_t n = tree.leaf_count;
+  for (auto& list : leaves)
+    if (list.size() < n) list.resize(n);
+  const Vec3 p = place - cell.box.centre();
+  for (size_t i = 0; i < n; i += k_width) {
+    const auto row = [&](uint32_t r) { return hn::LoadU(k_lanes, tree.leaves + r * n + i); };
+    const auto at = [&](uint32_t r) { return hn::MulAdd(row(r), set(p.x), hn::MulAdd(row(r + 1), set(p.y), hn::MulAdd(row(r + 2), set(p.z), row(r + 3)))); };
+    const Leaf leaf = Leaf::each(tree, i);
+    const Offset offset(leaf, at(leaf_xx), at(leaf_yx), at(leaf_zx));
+    const V d = hn::Max(offset.distance(), hn::Zero(k_lanes));
+    const V q = hn::Max(hn::NegMulAdd(leaf.k, hn::Mul(d, d), set(1)), hn::Zero(k_lanes));
+    // d/dd of q^2 (a + b q) is -2 k d q (2 a + 3 b q).
+    const V slope = hn::Mul(hn::Mul(hn::Mul(leaf.k, d), hn::Mul(q, set(-2))), hn::MulAdd(hn::Mul(set(3), leaf.b), q, hn::Add(leaf.a, leaf.a)));
+    const V factor = hn::Div(slope, hn::Max(offset.length, set(1e-30f)));
+    const auto component = [&](uint32_t c) {
+      return hn::Mul(factor, hn::MulAdd(row(leaf_xx + c), offset.x, hn::MulAdd(row(leaf_yx + c), offset.y, hn::Mul(row(leaf_zx + c), offset.z))));
+    };
+    hn::StoreU(leaf.potential(hn::Mul(d, d)), k_lanes, &leaves[0][i]);
+    for (uint32_t c = 0; c < 3; ++c) hn::StoreU(component(c), k_lanes, &leaves[c + 1][i]);
+  }
+
+  struct Value {
+    float f;
+    Vec3 g;
+    Value operator-(const Value& b) const { return {f - b.f, g - b.g}; }
+    Value operator+(const Value& b) const { return {f + b.f, g + b.g}; }
+  };
+  const auto larger = [](const Value& a, const Value& b) { return a.f > b.f ? a : b; };
+  const auto smaller = [](const Value& a, const Value& b) { return a.f < b.f ? a : b; };
+  std::array<Value, k_tree_depth + 1> stack;
+  size_t depth = 0;
+  for (const TreeStep& step : tree.steps) {
+    if (step.kind == TreeStep::Kind::leaves) {
+      Value sum{0, Vec3(0)};
+      for (uint32_t i = step.first; i < step.first + step.count; ++i)
+        sum = sum + Value{leaves[0][i], Vec3(leaves[1][i], leaves[2][i], leaves[3][i])};
+      stack[depth++] = sum;
+      continue;
+    }
+    depth -= step.count;
+    const Value twice{2 * static_cast<float>(shape.program.threshold), Vec3(0)};
+    stack[depth] = join(step, stack.data() + depth, twice, Value{0, Vec3(0)}, larger, smaller);
+    ++depth;
+  }
+  return stack[0].g;
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace kelpie
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kelpie {
+
+HWY_EXPORT(SolveTree);
+HWY_EXPORT(TreeGradient);
+
+bool solve_tree(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolverWork& work, float& t) {
+  return HWY_DYNAMIC_DISPATCH(SolveTree)(shape, cell, ray, work, t);
+}
+
+Vec3 tree_gradient(const ShapeCells& shape, const Cell& cell, const Vec3& p) { return HWY_DYNAMIC_DISPATCH(TreeGradient)(shape, cell, p); }
+
+} // namespace kelpie
+#endif
