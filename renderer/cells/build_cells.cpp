@@ -9,8 +9,8 @@
 namespace kelpie {
 
 size_t ShapeCells::bytes() const {
-  return cells.size() * sizeof(Cell) + leaf_data.size() * sizeof(float) + steps.size() * sizeof(Instruction) + tree_steps.size() * sizeof(TreeStep) +
-         (operands.size() + blob_indices.size()) * sizeof(uint32_t);
+  return cells.size() * sizeof(Cell) + leaf_data.size() * sizeof(float) + steps.size() * sizeof(Instruction) +
+         tree_steps.size() * sizeof(TreeStep) + (operands.size() + blob_indices.size()) * sizeof(uint32_t);
 }
 
 namespace {

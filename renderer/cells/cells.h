@@ -17,9 +17,9 @@ struct Cell {
   };
   Box3 box;
   Content content = Content::code;
-  uint32_t count = 0; ///< blobs, padding included; or steps
-  uint64_t first = 0; ///< into ShapeCells::leaf_data, ::tree_steps or ::steps
-  float epsilon = 0;  ///< offset of secondary rays along the normal: 1e-3 of the smallest radius of influence
+  uint32_t count = 0;      ///< blobs, padding included; or steps
+  uint64_t first = 0;      ///< into ShapeCells::leaf_data, ::tree_steps or ::steps
+  float epsilon = 0;       ///< offset of secondary rays along the normal: 1e-3 of the smallest radius of influence
   uint32_t leaf_count = 0; ///< of a tree, padding included
   uint64_t leaves = 0;     ///< of a tree: into ShapeCells::leaf_data
 };

@@ -37,7 +37,8 @@ public:
 
 private:
   std::optional<TreeStep::Kind> kind_of(const Instruction& step) const {
-    return std::visit([&](const auto& kind) { return step_kind<std::decay_t<decltype(kind)>>(step.demand); }, program_.field.nodes[step.node]);
+    return std::visit([&](const auto& kind) { return step_kind<std::decay_t<decltype(kind)>>(step.demand); },
+                      program_.field.nodes[step.node]);
   }
   std::span<const uint32_t> operands(const Instruction& step) const { return std::span(code_.operands).subspan(step.first, step.count); }
 

@@ -31,10 +31,26 @@ struct TreeStep {
 /// The axis is measured from its point nearest to the cell, so that nothing here is much larger than the cell
 /// or a radius: float suffices.
 enum LeafRow : uint32_t {
-  leaf_xx, leaf_xy, leaf_xz, leaf_x0, //
-  leaf_yx, leaf_yy, leaf_yz, leaf_y0, //
-  leaf_zx, leaf_zy, leaf_zz, leaf_z0, //
-  leaf_s_low, leaf_s_high, leaf_r, leaf_sine, leaf_slope, leaf_k, leaf_a, leaf_b,
+  leaf_xx,
+  leaf_xy,
+  leaf_xz,
+  leaf_x0, //
+  leaf_yx,
+  leaf_yy,
+  leaf_yz,
+  leaf_y0, //
+  leaf_zx,
+  leaf_zy,
+  leaf_zz,
+  leaf_z0, //
+  leaf_s_low,
+  leaf_s_high,
+  leaf_r,
+  leaf_sine,
+  leaf_slope,
+  leaf_k,
+  leaf_a,
+  leaf_b,
   leaf_sign, ///< 1 where the field rises with nearness to the leaf, -1 where it falls
   k_leaf_rows
 };

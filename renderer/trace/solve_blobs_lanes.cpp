@@ -16,6 +16,7 @@
 #include <array>
 #include <cmath>
 
+#include "renderer/trace/lanes-inl.h"
 #include "renderer/trace/solve.h"
 
 #ifndef KELPIE_SOLVE_BLOBS_LANES_ONCE
@@ -48,68 +49,6 @@ inline constexpr float k_shortest_step = 1.f / 12;
 HWY_BEFORE_NAMESPACE();
 namespace kelpie {
 namespace HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Lanes = hn::CappedTag<float, k_packet>;
-using IntLanes = hn::RebindToSigned<Lanes>;
-using V = hn::Vec<Lanes>;
-using M = hn::Mask<Lanes>;
-constexpr Lanes k_lanes{};
-constexpr size_t k_width = hn::MaxLanes(Lanes{});
-
-/// A point or direction of each lane.
-struct V3 {
-  V x, y, z;
-};
-
-inline V dot(const V3& a, const V3& b) { return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z))); }
-inline V set(float v) { return hn::Set(k_lanes, v); }
-inline bool none(M m) { return hn::AllFalse(k_lanes, m); }
-
-inline M no_lanes() { return hn::Lt(hn::Zero(k_lanes), hn::Zero(k_lanes)); }
-
-inline uint32_t bits_of(M m) {
-  uint8_t bytes[8] = {};
-  hn::StoreMaskBits(k_lanes, m, bytes);
-  return bytes[0] | uint32_t(bytes[1]) << 8;
-}
-
-/// Rays `first`, first + 1, … of a packet in their cell, as clip() has them.
-struct Segments {
-  V3 origin, direction;
-  V t0, t1, entry;
-  M live;
-
-  Segments(const RayLanes& rays, size_t first, const Box3& box)
-      : origin{load(rays.origin_x + first), load(rays.origin_y + first), load(rays.origin_z + first)}, direction{
-                                                                                                           load(rays.direction_x + first),
-                                                                                                           load(rays.direction_y + first),
-                                                                                                           load(rays.direction_z + first)} {
-    const V near = load(rays.t_near + first);
-    entry = near, t1 = set(std::numeric_limits<float>::infinity());
-    slab(box.lower.x, box.upper.x, origin.x, direction.x);
-    slab(box.lower.y, box.upper.y, origin.y, direction.y);
-    slab(box.lower.z, box.upper.z, origin.z, direction.z);
-    const V far = load(rays.t_far + first);
-    const auto valid = hn::Ne(hn::LoadU(IntLanes{}, rays.valid + first), hn::Zero(IntLanes{}));
-    live = hn::And(hn::RebindMask(k_lanes, valid), hn::And(hn::Le(entry, t1), hn::Le(entry, far)));
-    const V pad = hn::MulAdd(set(1e-6f), hn::Abs(t1), set(1e-6f));
-    t0 = hn::Max(hn::Sub(entry, pad), near), t1 = hn::Add(t1, pad);
-  }
-
-private:
-  static V load(const float* p) { return hn::LoadU(k_lanes, p); }
-
-  /// NaN leaves the bounds as they are, as in clip().
-  void slab(float lower, float upper, V o, V d) {
-    const V inverse = hn::Div(set(1), d);
-    const V a = hn::Mul(hn::Sub(set(lower), o), inverse), b = hn::Mul(hn::Sub(set(upper), o), inverse);
-    const auto forward = hn::Lt(a, b);
-    const V in = hn::IfThenElse(forward, a, b), out = hn::IfThenElse(forward, b, a);
-    entry = hn::IfThenElse(hn::Gt(in, entry), in, entry);
-    t1 = hn::IfThenElse(hn::Lt(out, t1), out, t1);
-  }
-};
 
 /// Pure: quartic falloffs and positive weights only, weights folded into q. Then f = sum q^2.
 template <bool Pure>

@@ -16,6 +16,7 @@
 #include <cmath>
 
 #include "renderer/trace/solve.h"
+#include "renderer/trace/tree_leaf-inl.h"
 
 #ifndef KELPIE_SOLVE_TREE_ONCE
 #define KELPIE_SOLVE_TREE_ONCE
@@ -56,65 +57,8 @@ T join(const TreeStep& step, const T* f, T twice_threshold, T zero, const Max& l
 HWY_BEFORE_NAMESPACE();
 namespace kelpie {
 namespace HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
 
-using Lanes = hn::CappedTag<float, k_stretches>;
-using V = hn::Vec<Lanes>;
-constexpr Lanes k_lanes{};
-constexpr size_t k_width = hn::MaxLanes(Lanes{});
 constexpr size_t k_vectors = k_stretches / k_width;
-
-inline V set(float v) { return hn::Set(k_lanes, v); }
-
-/// The numbers of a leaf in every lane, or of a leaf a lane.
-struct Leaf {
-  V s_low, s_high, r, sine, slope, k, a, b;
-
-  static Leaf each(const TreeView& tree, size_t first) {
-    const auto row = [&](LeafRow r) { return hn::LoadU(k_lanes, tree.leaves + r * tree.leaf_count + first); };
-    return of(row);
-  }
-  static Leaf all(const TreeView& tree, size_t i) {
-    const auto row = [&](LeafRow r) { return set(tree.leaves[r * tree.leaf_count + i]); };
-    return of(row);
-  }
-
-  /// q^2 (a + b q), q = max(0, 1 - k d^2).
-  V potential(V d2) const {
-    const V q = hn::Max(hn::NegMulAdd(k, d2, set(1)), hn::Zero(k_lanes));
-    return hn::Mul(hn::Mul(q, q), hn::MulAdd(b, q, a));
-  }
-
-private:
-  template <class Row>
-  static Leaf of(const Row& row) {
-    return {row(leaf_s_low), row(leaf_s_high), row(leaf_r), row(leaf_sine), row(leaf_slope), row(leaf_k), row(leaf_a), row(leaf_b)};
-  }
-};
-
-/// A place in a leaf's frame, seen from the nearest point of its axis: the distance is length - radius.
-struct Offset {
-  V x, y, z, length, radius;
-
-  Offset(const Leaf& leaf, V x_, V y_, V z_) : x(x_), y(y_) {
-    const V across2 = hn::MulAdd(x, x, hn::Mul(y, y));
-    const V s = hn::Min(hn::Max(hn::NegMulAdd(leaf.slope, hn::Sqrt(across2), z_), leaf.s_low), leaf.s_high);
-    z = hn::Sub(z_, s);
-    length = hn::Sqrt(hn::MulAdd(z, z, across2));
-    radius = hn::NegMulAdd(leaf.sine, s, leaf.r);
-  }
-
-  V distance() const { return hn::Sub(length, radius); }
-  /// The distance's derivative along (x1, y1, z1).
-  V rate(V x1, V y1, V z1) const {
-    return hn::Div(hn::MulAdd(x, x1, hn::MulAdd(y, y1, hn::Mul(z, z1))), hn::Max(length, set(1e-30f)));
-  }
-};
-
-inline V square_of_positive(V v) {
-  const V p = hn::Max(v, hn::Zero(k_lanes));
-  return hn::Mul(p, p);
-}
 
 /// 16 numbers.
 struct Row {
@@ -149,7 +93,9 @@ private:
     for (size_t i = 0; i < n; i += k_width) {
       const auto row = [&](uint32_t r) { return hn::LoadU(k_lanes, tree_.leaves + r * n + i); };
       const auto along = [&](uint32_t r) { return hn::MulAdd(row(r), dx, hn::MulAdd(row(r + 1), dy, hn::Mul(row(r + 2), dz))); };
-      const auto at = [&](uint32_t r) { return hn::MulAdd(row(r), mx, hn::MulAdd(row(r + 1), my, hn::MulAdd(row(r + 2), mz, row(r + 3)))); };
+      const auto at = [&](uint32_t r) {
+        return hn::MulAdd(row(r), mx, hn::MulAdd(row(r + 1), my, hn::MulAdd(row(r + 2), mz, row(r + 3))));
+      };
       const V x = at(leaf_xx), y = at(leaf_yx), z = at(leaf_zx), x1 = along(leaf_xx), y1 = along(leaf_yx), z1 = along(leaf_zx);
       hn::StoreU(x, k_lanes, &ray_.x0[i]), hn::StoreU(y, k_lanes, &ray_.y0[i]), hn::StoreU(z, k_lanes, &ray_.z0[i]);
       hn::StoreU(x1, k_lanes, &ray_.x1[i]), hn::StoreU(y1, k_lanes, &ray_.y1[i]), hn::StoreU(z1, k_lanes, &ray_.z1[i]);
@@ -167,9 +113,10 @@ private:
     if (!any && sign_ > 0) return false;
     // What a leaf can be at most, 0 if it can only take away.
     const float most = sign_ * (join_all([&](const TreeStep& step, size_t i) {
-                         const bool wants_upper = step.is_subtracted == (sign_ < 0);
-                         return wants_upper ? std::max(ray_.value[i], 0.f) : std::min(ray_.value[i], 0.f);
-                       }) - threshold_);
+                                  const bool wants_upper = step.is_subtracted == (sign_ < 0);
+                                  return wants_upper ? std::max(ray_.value[i], 0.f) : std::min(ray_.value[i], 0.f);
+                                }) -
+                                threshold_);
     return most >= -1e-6f * threshold_;
   }
 
@@ -274,9 +221,11 @@ private:
     for (uint32_t i = step.first; i < step.first + step.count; ++i) {
       if (!ray_.is_active[i]) continue;
       const Leaf leaf = Leaf::all(tree_, i);
-      const V x0 = set(ray_.x0[i]), y0 = set(ray_.y0[i]), z0 = set(ray_.z0[i]), x1 = set(ray_.x1[i]), y1 = set(ray_.y1[i]), z1 = set(ray_.z1[i]);
+      const V x0 = set(ray_.x0[i]), y0 = set(ray_.y0[i]), z0 = set(ray_.z0[i]), x1 = set(ray_.x1[i]), y1 = set(ray_.y1[i]),
+              z1 = set(ray_.z1[i]);
       const auto offset_at = [&](V s) { return Offset(leaf, hn::MulAdd(x1, s, x0), hn::MulAdd(y1, s, y0), hn::MulAdd(z1, s, z0)); };
-      const bool wants_nearest = wants_upper == (tree_.leaves[leaf_a * tree_.leaf_count + i] + tree_.leaves[leaf_b * tree_.leaf_count + i] > 0);
+      const bool wants_nearest =
+          wants_upper == (tree_.leaves[leaf_a * tree_.leaf_count + i] + tree_.leaves[leaf_b * tree_.leaf_count + i] > 0);
       for (size_t j = 0; j < k_vectors; ++j) {
         const V s = places.v[j], h = halves.v[j];
         const Offset offset = offset_at(s);
@@ -330,8 +279,8 @@ private:
   void look_before(float from, int level, float& root) const {
     if (is_rising(from, root)) return;
     const float width = root - from;
-    alignas(64) static constexpr float k_powers[k_stretches + 1] = {1,       0x1p-1f,  0x1p-2f,  0x1p-3f,  0x1p-4f,  0x1p-5f,
-                                                                    0x1p-6f, 0x1p-7f,  0x1p-8f,  0x1p-9f,  0x1p-10f, 0x1p-11f,
+    alignas(64) static constexpr float k_powers[k_stretches + 1] = {1,        0x1p-1f,  0x1p-2f,  0x1p-3f,  0x1p-4f,  0x1p-5f,
+                                                                    0x1p-6f,  0x1p-7f,  0x1p-8f,  0x1p-9f,  0x1p-10f, 0x1p-11f,
                                                                     0x1p-12f, 0x1p-13f, 0x1p-14f, 0x1p-15f, 0x1p-16f};
     Row places, halves;
     for (size_t j = 0; j < k_vectors; ++j) {
@@ -387,16 +336,20 @@ Vec3 TreeGradient(const ShapeCells& shape, const Cell& cell, const Vec3& place) 
   const Vec3 p = place - cell.box.centre();
   for (size_t i = 0; i < n; i += k_width) {
     const auto row = [&](uint32_t r) { return hn::LoadU(k_lanes, tree.leaves + r * n + i); };
-    const auto at = [&](uint32_t r) { return hn::MulAdd(row(r), set(p.x), hn::MulAdd(row(r + 1), set(p.y), hn::MulAdd(row(r + 2), set(p.z), row(r + 3)))); };
+    const auto at = [&](uint32_t r) {
+      return hn::MulAdd(row(r), set(p.x), hn::MulAdd(row(r + 1), set(p.y), hn::MulAdd(row(r + 2), set(p.z), row(r + 3))));
+    };
     const Leaf leaf = Leaf::each(tree, i);
     const Offset offset(leaf, at(leaf_xx), at(leaf_yx), at(leaf_zx));
     const V d = hn::Max(offset.distance(), hn::Zero(k_lanes));
     const V q = hn::Max(hn::NegMulAdd(leaf.k, hn::Mul(d, d), set(1)), hn::Zero(k_lanes));
     // d/dd of q^2 (a + b q) is -2 k d q (2 a + 3 b q).
-    const V slope = hn::Mul(hn::Mul(hn::Mul(leaf.k, d), hn::Mul(q, set(-2))), hn::MulAdd(hn::Mul(set(3), leaf.b), q, hn::Add(leaf.a, leaf.a)));
+    const V slope =
+        hn::Mul(hn::Mul(hn::Mul(leaf.k, d), hn::Mul(q, set(-2))), hn::MulAdd(hn::Mul(set(3), leaf.b), q, hn::Add(leaf.a, leaf.a)));
     const V factor = hn::Div(slope, hn::Max(offset.length, set(1e-30f)));
     const auto component = [&](uint32_t c) {
-      return hn::Mul(factor, hn::MulAdd(row(leaf_xx + c), offset.x, hn::MulAdd(row(leaf_yx + c), offset.y, hn::Mul(row(leaf_zx + c), offset.z))));
+      return hn::Mul(factor,
+                     hn::MulAdd(row(leaf_xx + c), offset.x, hn::MulAdd(row(leaf_yx + c), offset.y, hn::Mul(row(leaf_zx + c), offset.z))));
     };
     hn::StoreU(leaf.potential(hn::Mul(d, d)), k_lanes, &leaves[0][i]);
     for (uint32_t c = 0; c < 3; ++c) hn::StoreU(component(c), k_lanes, &leaves[c + 1][i]);

@@ -53,9 +53,7 @@ struct Offset {
 
   V distance() const { return hn::Sub(length, radius); }
   /// The distance's derivative along (x1, y1, z1).
-  V rate(V x1, V y1, V z1) const {
-    return hn::Div(hn::MulAdd(x, x1, hn::MulAdd(y, y1, hn::Mul(z, z1))), hn::Max(length, set(1e-30f)));
-  }
+  V rate(V x1, V y1, V z1) const { return hn::Div(hn::MulAdd(x, x1, hn::MulAdd(y, y1, hn::Mul(z, z1))), hn::Max(length, set(1e-30f))); }
 };
 
 inline V square_of_positive(V v) {
