@@ -85,7 +85,7 @@ TEST(Tracer, AFieldThatNeverReachesTheThresholdIsNothing) {
 bool is_same(const Question& a, const Question& b) {
   if (a.found != b.found || a.shadowed != b.shadowed) return false;
   return !a.found || (a.hit.t == b.hit.t && a.hit.position == b.hit.position && a.hit.normal == b.hit.normal &&
-                      a.hit.shape == b.hit.shape && a.hit.epsilon == b.hit.epsilon);
+                      a.hit.shape == b.hit.shape && a.hit.epsilon == b.hit.epsilon && a.hit.is_leaving == b.hit.is_leaving);
 }
 
 // A ray's answer does not depend on what it shares a packet with, on its lane, or on how full the packet is,

@@ -55,7 +55,7 @@ bool meet(const ShapeCells& shape, unsigned shape_index, unsigned cell_index, co
           float& t) {
   const Cell& cell = shape.cells[cell_index];
   RaySegment segment;
-  const bool from_inside = ray.inside == static_cast<int>(shape_index);
+  const bool from_inside = ray.inside.contains(shape_index);
   if (!clip(cell, ray, from_inside, segment) || segment.entry > t_far || !solve(shape, cell, segment, counters, t)) return false;
   t = std::max(t, segment.entry);
   return t <= t_far;
@@ -79,7 +79,7 @@ uint32_t meet(const ShapeCells& shape, unsigned shape_index, unsigned cell_index
   alignas(64) std::array<int, k_packet> outside;
   if (query.any_inside) {
     for (unsigned i = 0; i < n; ++i) {
-      const bool is_inside = valid[i] && query.rays[RTCRayN_id(packet, n, i)].inside == static_cast<int>(shape_index);
+      const bool is_inside = valid[i] && query.rays[RTCRayN_id(packet, n, i)].inside.contains(shape_index);
       inside |= uint32_t(is_inside) << i;
       outside[i] = is_inside ? 0 : valid[i];
     }
@@ -164,7 +164,7 @@ void fill(std::span<const Ray> rays, Packet& out, int* valid) {
 }
 
 Query packet_query(std::span<const Ray> rays, SolveCounters& counters) {
-  const bool any_inside = std::any_of(rays.begin(), rays.end(), [](const Ray& r) { return r.inside != Ray::k_outside; });
+  const bool any_inside = std::any_of(rays.begin(), rays.end(), [](const Ray& r) { return !r.inside.is_empty(); });
   Query query{{}, rays.data(), any_inside, &counters};
   rtcInitIntersectContext(&query.embree);
   query.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;

@@ -55,7 +55,7 @@ public:
   FrameIntegrator(const FrameScene& frame, const Tracer& tracer, const std::vector<Light>& lights, const PixelBox& window,
                   IntegrateResult& out)
       : frame_(frame), paths_(tracer, lights, frame), camera_(frame.camera, frame.film.resolution), filter_(frame.film.filter),
-        window_(window), out_(out), channels_(out.image, frame.film.aovs), camera_inside_(tracer.shape_around(frame.camera.position)),
+        window_(window), out_(out), channels_(out.image, frame.film.aovs), camera_inside_(tracer.shapes_around(frame.camera.position)),
         frame_number_(static_cast<uint32_t>(std::llround(frame.frame))) {}
 
   void tile(int x0, int y0) {
@@ -164,7 +164,7 @@ private:
   PixelBox window_;
   IntegrateResult& out_;
   Channels channels_;
-  int camera_inside_;
+  ShapeSet camera_inside_;
   uint32_t frame_number_;
   std::mutex mutex_;
 };

@@ -28,13 +28,7 @@ struct PathTracer::Vertex {
         out(frame.local_from_world(-p.ray.direction)), bsdf(b) {}
 
   /// A ray that leaves the vertex on the side on which the path came.
-  Ray leave(const Vec3& direction) const {
-    Ray ray;
-    ray.origin = hit.position + hit.epsilon * frame.z;
-    ray.direction = direction;
-    ray.inside = path.ray.inside;
-    return ray;
-  }
+  Ray leave(const Vec3& direction) const { return depart(path.ray, hit, direction, Side::near); }
 
   Path& path;
   const Hit& hit;

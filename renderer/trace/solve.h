@@ -5,14 +5,14 @@
 #include <string_view>
 
 #include "renderer/cells/cells.h"
+#include "renderer/trace/shape_set.h"
 
 namespace kelpie {
 
 struct Ray {
   Vec3 origin, direction; ///< direction: a unit vector
   float t_near = 0, t_far = std::numeric_limits<float>::infinity();
-  static constexpr int k_outside = -1;
-  int inside = k_outside; ///< the shape that the ray starts in: its surface is met from within
+  ShapeSet inside; ///< the shapes that the ray starts in: their surfaces are met from within
 };
 
 /// The part of a ray that lies in a cell: origin + t * direction (a unit vector), t in [t0, t1].

@@ -18,6 +18,20 @@ float rounding_at(const Vec3& p, float t) { return 5e-7f * (std::max({std::abs(p
 
 } // namespace
 
+Ray depart(const Ray& arrived, const Hit& hit, const Vec3& direction, Side side) {
+  const Vec3 back = glm::dot(hit.normal, arrived.direction) > 0 ? -hit.normal : hit.normal;
+  Ray ray;
+  ray.origin = hit.position + (side == Side::near ? hit.epsilon : -hit.epsilon) * back;
+  ray.direction = direction;
+  ray.inside = arrived.inside;
+  if (side == Side::near) return ray;
+  if (hit.is_leaving)
+    ray.inside.remove(hit.shape);
+  else
+    ray.inside.add(hit.shape);
+  return ray;
+}
+
 Tracer::Tracer(const FrameScene& frame, const CellLimits& limits) : cells_(build_all(frame, limits)) {
   for (uint32_t i = 0; i < frame.shapes.size(); ++i) {
     const SampledShape& shape = frame.shapes[i];
@@ -80,7 +94,7 @@ bool Tracer::meet_planes(const Ray& ray, Hit& hit) const {
     const float t = glm::dot(plane.position - ray.origin, plane.normal) / across;
     if (!(t > ray.t_near && t < hit.t)) continue; // false for the NaN of a ray in the plane, too
     found = true;
-    hit.t = t, hit.shape = plane.shape, hit.normal = plane.normal;
+    hit.t = t, hit.shape = plane.shape, hit.normal = plane.normal, hit.is_leaving = across > 0;
     hit.position = ray.origin + t * ray.direction;
     hit.position -= glm::dot(hit.position - plane.position, plane.normal) * plane.normal;
     hit.epsilon = 1e-5f + rounding_at(hit.position, t);
@@ -93,6 +107,7 @@ void Tracer::complete(const Ray& ray, const CellHit& cell_hit, Hit& hit) const {
   const Cell& cell = shape.cells[cell_hit.cell];
   hit.t = cell_hit.t;
   hit.shape = cell_hit.shape;
+  hit.is_leaving = ray.inside.contains(hit.shape);
   hit.position = ray.origin + hit.t * ray.direction;
   const Vec3 g = cell_gradient(shape, cell, hit.position);
   const float length = glm::length(g);
@@ -101,13 +116,14 @@ void Tracer::complete(const Ray& ray, const CellHit& cell_hit, Hit& hit) const {
   hit.epsilon = cell.epsilon + rounding_at(hit.position, hit.t);
 }
 
-int Tracer::shape_around(const Vec3& p) const {
+ShapeSet Tracer::shapes_around(const Vec3& p) const {
+  ShapeSet around;
   for (size_t i = 0; i < cells_.shapes().size(); ++i) {
     const FieldProgram& program = cells_.shapes()[i].program;
     if (program.code.steps.empty() || !program.support.contains(Vec3d(p))) continue;
-    if (evaluate(program, program.code, Point3<double>{p.x, p.y, p.z}) > program.threshold) return static_cast<int>(i);
+    if (evaluate(program, program.code, Point3<double>{p.x, p.y, p.z}) > program.threshold) around.add(static_cast<uint32_t>(i));
   }
-  return Ray::k_outside;
+  return around;
 }
 
 size_t Tracer::cell_count() const {

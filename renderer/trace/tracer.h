@@ -12,7 +12,16 @@ struct Hit {
   Vec3 normal{0};     ///< unit, geometric, out of the shape (for a plane: its upper side)
   uint32_t shape = 0; ///< index into FrameScene::shapes
   float epsilon = 0;  ///< offset of secondary rays along the normal, on the side where they start
+  /// The ray comes out of the shape here; else it goes in. (What is below a plane is inside it.)
+  bool is_leaving = false;
 };
+
+/// The sides of a surface, as the ray has it that met it: where it came from, and where it would go.
+enum class Side { near, far };
+
+/// A ray that starts at a hit: reflected or towards a light (near), or into what is behind the surface (far).
+/// It lies in the shapes that `arrived` lay in, but for the surface that it crosses.
+Ray depart(const Ray& arrived, const Hit&, const Vec3& direction, Side);
 
 /// The surfaces of a frame, ready for rays. Building runs in the current TBB arena.
 class Tracer {
@@ -26,8 +35,8 @@ public:
   uint32_t intersect(std::span<const Ray>, SolveCounters&, Hit*) const;
   uint32_t occluded(std::span<const Ray>, SolveCounters&) const;
 
-  /// The implicit shape around a point, for Ray::inside; k_outside if there is none.
-  int shape_around(const Vec3& p) const;
+  /// The implicit shapes around a point, for Ray::inside.
+  ShapeSet shapes_around(const Vec3& p) const;
 
   /// The box around all implicit shapes; empty if there are none.
   const Box3& bounds() const { return bounds_; }

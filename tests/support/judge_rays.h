@@ -163,7 +163,7 @@ public:
       q.ray = random_ray(r, box_, leaves, i % 4 != 0, i % 3 == 1 ? most_sizes : 3);
       q.at_origin = value(*node_, reference_of(q.ray.origin), threshold_) / threshold_;
       if (std::abs(q.at_origin - 1) < 0.01) continue; // neither outside nor inside
-      if (q.at_origin > 1) q.ray.inside = 0;          // the only shape
+      if (q.at_origin > 1) q.ray.inside.add(0);       // the only shape
       questions_.push_back(q);
     }
   }
