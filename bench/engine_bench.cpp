@@ -1,21 +1,30 @@
 // The engine's parts by themselves, one thread: evaluating the field, building cells, tracing rays.
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <random>
 
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 #include <tbb/global_control.h>
+#include <unistd.h>
 
+#include "bench/creature_tree.h"
 #include "bench/knot_cloud.h"
 #include "renderer/integrate/camera_rays.h"
 #include "renderer/program/evaluate.h"
 #include "renderer/trace/tracer.h"
+#include "scene/reader.h"
 
 namespace kelpie {
 namespace {
 
 const tbb::global_control k_one_thread(tbb::global_control::max_allowed_parallelism, 1);
 
-FrameScene make_scene(int count) {
+/// What is measured: a cloud of so many blobs, or a creature.
+using Subject = std::string;
+
+FrameScene make_cloud(int count) {
   Blobs<SampledMode> blobs;
   blobs.cloud = std::make_shared<const BlobCloud>(make_knot_cloud(count));
   SampledShape shape;
@@ -26,22 +35,47 @@ FrameScene make_scene(int count) {
   return scene;
 }
 
-/// Scenes and tracers are made once: several benchmarks use each.
-const FrameScene& scene_of(int count) {
-  static std::map<int, FrameScene> scenes;
-  const auto found = scenes.find(count);
-  return found != scenes.end() ? found->second : scenes.emplace(count, make_scene(count)).first->second;
-}
-const Tracer& tracer_of(int count) {
-  static std::map<int, Tracer> tracers;
-  const auto found = tracers.find(count);
-  return found != tracers.end() ? found->second : tracers.emplace(count, Tracer(scene_of(count))).first->second;
+FrameScene make_creature(CreatureWarps warps) {
+  const auto path = std::filesystem::temp_directory_path() / fmt::format("kelpie-creature.{}.json", getpid());
+  std::ofstream(path) << make_creature_scene(warps);
+  Diagnostics diagnostics;
+  const Scene scene = read_scene(path, {}, diagnostics);
+  std::filesystem::remove(path);
+  return sample(scene, 1);
 }
 
-FieldProgram program_of(int count) {
-  const SampledShape& shape = scene_of(count).shapes[0];
+FrameScene make_scene(const Subject& subject) {
+  if (subject == "creature") return make_creature(CreatureWarps::none);
+  if (subject == "creature_twisted") return make_creature(CreatureWarps::twist);
+  return make_cloud(std::stoi(subject));
+}
+
+/// Scenes and tracers are made once: several benchmarks use each.
+const FrameScene& scene_of(const Subject& subject) {
+  static std::map<Subject, FrameScene> scenes;
+  const auto found = scenes.find(subject);
+  return found != scenes.end() ? found->second : scenes.emplace(subject, make_scene(subject)).first->second;
+}
+const Tracer& tracer_of(const Subject& subject) {
+  static std::map<Subject, Tracer> tracers;
+  const auto found = tracers.find(subject);
+  return found != tracers.end() ? found->second : tracers.emplace(subject, Tracer(scene_of(subject))).first->second;
+}
+
+FieldProgram program_of(const Subject& subject) {
+  const SampledShape& shape = scene_of(subject).shapes[0];
   return compile(shape.field, shape.threshold);
 }
+
+/// Registers a benchmark for the clouds, or for everything.
+#define KELPIE_BENCHMARK_CLOUDS(function)                                                                                                  \
+  BENCHMARK_CAPTURE(function, 1000, "1000")->Unit(benchmark::kMillisecond);                                                                \
+  BENCHMARK_CAPTURE(function, 10000, "10000")->Unit(benchmark::kMillisecond);                                                              \
+  BENCHMARK_CAPTURE(function, 100000, "100000")->Unit(benchmark::kMillisecond)
+#define KELPIE_BENCHMARK_ALL(function)                                                                                                     \
+  KELPIE_BENCHMARK_CLOUDS(function);                                                                                                       \
+  BENCHMARK_CAPTURE(function, creature, "creature")->Unit(benchmark::kMillisecond);                                                        \
+  BENCHMARK_CAPTURE(function, creature_twisted, "creature_twisted")->Unit(benchmark::kMillisecond)
 
 std::vector<Point3<double>> random_points(int count) {
   std::mt19937_64 random(1);
@@ -51,33 +85,34 @@ std::vector<Point3<double>> random_points(int count) {
   return points;
 }
 
-void evaluate_whole_field(benchmark::State& state) {
-  const FieldProgram program = program_of(static_cast<int>(state.range(0)));
+void evaluate_whole_field(benchmark::State& state, const Subject& subject) {
+  const FieldProgram program = program_of(subject);
   const auto points = random_points(64);
   for (auto _ : state)
     for (const auto& p : points) benchmark::DoNotOptimize(evaluate(program, program.code, p));
-  state.counters["blobs"] = benchmark::Counter(double(state.range(0)) * 64, benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["elements"] = benchmark::Counter(double(program.element_count()) * 64, benchmark::Counter::kIsIterationInvariantRate);
 }
-BENCHMARK(evaluate_whole_field)->Arg(1000);
+BENCHMARK_CAPTURE(evaluate_whole_field, 1000, "1000");
 
-void gradient_of_whole_field(benchmark::State& state) {
-  const FieldProgram program = program_of(static_cast<int>(state.range(0)));
+void gradient_of_whole_field(benchmark::State& state, const Subject& subject) {
+  const FieldProgram program = program_of(subject);
   const auto points = random_points(64);
   for (auto _ : state)
     for (const auto& p : points) benchmark::DoNotOptimize(gradient(program, program.code, {p.x, p.y, p.z}));
-  state.counters["blobs"] = benchmark::Counter(double(state.range(0)) * 64, benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["elements"] = benchmark::Counter(double(program.element_count()) * 64, benchmark::Counter::kIsIterationInvariantRate);
 }
-BENCHMARK(gradient_of_whole_field)->Arg(1000);
+BENCHMARK_CAPTURE(gradient_of_whole_field, 1000, "1000");
 
 /// From the sampled scene to Embree's commit, as build_cpu_s counts it.
-void build_tracer(benchmark::State& state) {
-  const FrameScene& scene = scene_of(static_cast<int>(state.range(0)));
+void build_tracer(benchmark::State& state, const Subject& subject) {
+  const FrameScene& scene = scene_of(subject);
   size_t cells = 0;
   for (auto _ : state) cells = Tracer(scene).cell_count();
-  state.counters["blobs"] = benchmark::Counter(double(state.range(0)), benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["elements"] =
+      benchmark::Counter(double(tracer_of(subject).element_count()), benchmark::Counter::kIsIterationInvariantRate);
   state.counters["cells"] = double(cells);
 }
-BENCHMARK(build_tracer)->Arg(1000)->Arg(10000)->Arg(100000)->Unit(benchmark::kMillisecond);
+KELPIE_BENCHMARK_ALL(build_tracer);
 
 /// One ray through each pixel of 640 x 360, by squares of 4 x 4: 16 rays are a packet.
 std::vector<Ray> camera_rays(const FrameScene& scene) {
@@ -110,14 +145,13 @@ std::vector<Ray> secondary_rays(const FrameScene& scene, const Tracer& tracer, D
 void count_rays(benchmark::State& state, size_t rays, const SolveCounters& counters) {
   const double traced = double(rays) * double(state.iterations());
   state.counters["rays"] = benchmark::Counter(traced, benchmark::Counter::kIsRate);
-  state.counters["cells/ray"] = double(counters.cells) / traced;
+  state.counters["cells/ray"] = double(counters.total().cells) / traced;
   state.counters["samples/ray"] = double(counters.total().evaluations) / traced;
 }
 
-void trace_camera_rays(benchmark::State& state) {
-  const int count = static_cast<int>(state.range(0));
-  const Tracer& tracer = tracer_of(count);
-  const std::vector<Ray> rays = camera_rays(scene_of(count));
+void trace_camera_rays(benchmark::State& state, const Subject& subject) {
+  const Tracer& tracer = tracer_of(subject);
+  const std::vector<Ray> rays = camera_rays(scene_of(subject));
   SolveCounters counters;
   for (auto _ : state)
     for (const Ray& ray : rays) {
@@ -126,28 +160,26 @@ void trace_camera_rays(benchmark::State& state) {
     }
   count_rays(state, rays.size(), counters);
 }
-BENCHMARK(trace_camera_rays)->Arg(1000)->Arg(10000)->Arg(100000)->Unit(benchmark::kMillisecond);
+KELPIE_BENCHMARK_ALL(trace_camera_rays);
 
-void trace_shadow_rays(benchmark::State& state) {
-  const int count = static_cast<int>(state.range(0));
-  const Tracer& tracer = tracer_of(count);
+void trace_shadow_rays(benchmark::State& state, const Subject& subject) {
+  const Tracer& tracer = tracer_of(subject);
   const Vec3 sun = glm::normalize(Vec3(1, 2, 1));
-  const std::vector<Ray> rays = secondary_rays(scene_of(count), tracer, [&](const Vec3&) { return sun; });
+  const std::vector<Ray> rays = secondary_rays(scene_of(subject), tracer, [&](const Vec3&) { return sun; });
   SolveCounters counters;
   for (auto _ : state)
     for (const Ray& ray : rays) benchmark::DoNotOptimize(tracer.occluded(ray, counters));
   count_rays(state, rays.size(), counters);
 }
-BENCHMARK(trace_shadow_rays)->Arg(1000)->Arg(10000)->Arg(100000)->Unit(benchmark::kMillisecond);
+KELPIE_BENCHMARK_ALL(trace_shadow_rays);
 
 std::span<const Ray> packet(const std::vector<Ray>& rays, size_t first) {
   return std::span(rays).subspan(first, std::min(k_packet, rays.size() - first));
 }
 
-void trace_camera_packets(benchmark::State& state) {
-  const int count = static_cast<int>(state.range(0));
-  const Tracer& tracer = tracer_of(count);
-  const std::vector<Ray> rays = camera_rays(scene_of(count));
+void trace_camera_packets(benchmark::State& state, const Subject& subject) {
+  const Tracer& tracer = tracer_of(subject);
+  const std::vector<Ray> rays = camera_rays(scene_of(subject));
   SolveCounters counters;
   for (auto _ : state)
     for (size_t i = 0; i < rays.size(); i += k_packet) {
@@ -156,33 +188,31 @@ void trace_camera_packets(benchmark::State& state) {
     }
   count_rays(state, rays.size(), counters);
 }
-BENCHMARK(trace_camera_packets)->Arg(1000)->Arg(10000)->Arg(100000)->Unit(benchmark::kMillisecond);
+KELPIE_BENCHMARK_ALL(trace_camera_packets);
 
-void trace_shadow_packets(benchmark::State& state) {
-  const int count = static_cast<int>(state.range(0));
-  const Tracer& tracer = tracer_of(count);
+void trace_shadow_packets(benchmark::State& state, const Subject& subject) {
+  const Tracer& tracer = tracer_of(subject);
   const Vec3 sun = glm::normalize(Vec3(1, 2, 1));
-  const std::vector<Ray> rays = secondary_rays(scene_of(count), tracer, [&](const Vec3&) { return sun; });
+  const std::vector<Ray> rays = secondary_rays(scene_of(subject), tracer, [&](const Vec3&) { return sun; });
   SolveCounters counters;
   for (auto _ : state)
     for (size_t i = 0; i < rays.size(); i += k_packet) benchmark::DoNotOptimize(tracer.occluded(packet(rays, i), counters));
   count_rays(state, rays.size(), counters);
 }
-BENCHMARK(trace_shadow_packets)->Arg(1000)->Arg(10000)->Arg(100000)->Unit(benchmark::kMillisecond);
+KELPIE_BENCHMARK_ALL(trace_shadow_packets);
 
 /// Directions as diffuse bounces have them: neighbours part at once.
-std::vector<Ray> scattered_rays(int count) {
+std::vector<Ray> scattered_rays(const Subject& subject) {
   std::mt19937 random(1);
   std::normal_distribution<float> normal;
-  return secondary_rays(scene_of(count), tracer_of(count), [&](const Vec3& n) {
+  return secondary_rays(scene_of(subject), tracer_of(subject), [&](const Vec3& n) {
     return glm::normalize(n + 0.999f * glm::normalize(Vec3(normal(random), normal(random), normal(random))));
   });
 }
 
-void trace_scattered_rays(benchmark::State& state) {
-  const int count = static_cast<int>(state.range(0));
-  const Tracer& tracer = tracer_of(count);
-  const std::vector<Ray> rays = scattered_rays(count);
+void trace_scattered_rays(benchmark::State& state, const Subject& subject) {
+  const Tracer& tracer = tracer_of(subject);
+  const std::vector<Ray> rays = scattered_rays(subject);
   SolveCounters counters;
   for (auto _ : state)
     for (const Ray& ray : rays) {
@@ -191,30 +221,28 @@ void trace_scattered_rays(benchmark::State& state) {
     }
   count_rays(state, rays.size(), counters);
 }
-BENCHMARK(trace_scattered_rays)->Arg(1000)->Arg(10000)->Arg(100000)->Unit(benchmark::kMillisecond);
+KELPIE_BENCHMARK_ALL(trace_scattered_rays);
 
 /// Shadow rays to an environment: as the above, but any hit will do. In packets and alone.
-void trace_scattered_shadows(benchmark::State& state) {
-  const int count = static_cast<int>(state.range(0));
-  const Tracer& tracer = tracer_of(count);
-  const std::vector<Ray> rays = scattered_rays(count);
+void trace_scattered_shadows(benchmark::State& state, const Subject& subject) {
+  const Tracer& tracer = tracer_of(subject);
+  const std::vector<Ray> rays = scattered_rays(subject);
   SolveCounters counters;
   for (auto _ : state)
     for (const Ray& ray : rays) benchmark::DoNotOptimize(tracer.occluded(ray, counters));
   count_rays(state, rays.size(), counters);
 }
-BENCHMARK(trace_scattered_shadows)->Arg(10000)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(trace_scattered_shadows, 10000, "10000")->Unit(benchmark::kMillisecond);
 
-void trace_scattered_shadow_packets(benchmark::State& state) {
-  const int count = static_cast<int>(state.range(0));
-  const Tracer& tracer = tracer_of(count);
-  const std::vector<Ray> rays = scattered_rays(count);
+void trace_scattered_shadow_packets(benchmark::State& state, const Subject& subject) {
+  const Tracer& tracer = tracer_of(subject);
+  const std::vector<Ray> rays = scattered_rays(subject);
   SolveCounters counters;
   for (auto _ : state)
     for (size_t i = 0; i < rays.size(); i += k_packet) benchmark::DoNotOptimize(tracer.occluded(packet(rays, i), counters));
   count_rays(state, rays.size(), counters);
 }
-BENCHMARK(trace_scattered_shadow_packets)->Arg(10000)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(trace_scattered_shadow_packets, 10000, "10000")->Unit(benchmark::kMillisecond);
 
 } // namespace
 } // namespace kelpie
