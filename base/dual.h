@@ -142,6 +142,32 @@ constexpr Dual<T, N> min(double a, const Dual<T, N>& b) {
   return min(Dual<T, N>(a), b);
 }
 
+/// A set that holds both: for numbers the first one.
+template <class T, int N>
+constexpr Dual<T, N> either(const Dual<T, N>& a, const Dual<T, N>& b) {
+  Dual<T, N> r;
+  r.value = either(a.value, b.value);
+  for (int i = 0; i < N; ++i) r.d[i] = either(a.d[i], b.d[i]);
+  return r;
+}
+
+/// The values of any number type.
+constexpr Interval range_of(double a) { return a; }
+constexpr Interval range_of(Interval a) { return a; }
+template <class T, int N>
+constexpr Interval range_of(const Dual<T, N>& a) {
+  return range_of(a.value);
+}
+
+/// a, of which it is known that it lies in `range`. Derivatives stay.
+constexpr double within(double a, Interval) { return a; }
+constexpr Interval within(Interval a, Interval range) { return intersect(a, range); }
+template <class T, int N>
+constexpr Dual<T, N> within(Dual<T, N> a, Interval range) {
+  a.value = within(a.value, range);
+  return a;
+}
+
 template <class Real>
 constexpr Real clamp(const Real& x, double lo, double hi) {
   return max(Real(lo), min(Real(hi), x));

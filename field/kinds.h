@@ -17,6 +17,7 @@
 #include "field/skeletons/segment.h"
 #include "field/skeletons/torus.h"
 #include "field/warps/affine.h"
+#include "field/warps/bend.h"
 #include "field/warps/twist.h"
 
 namespace kelpie {
@@ -40,7 +41,8 @@ using FieldFolderKinds = KindList< //
     Translate,                     //
     Rotate,                        //
     Scale,                         //
-    Twist>;
+    Twist,                         //
+    Bend>;
 
 // What a sampled kind can be asked, and so how the engine treats it:
 

@@ -30,7 +30,6 @@ inline constexpr std::array k_reserved{
     Reserved{ReservedAs::kind, "field", "prism"},
     Reserved{ReservedAs::kind, "field", "polyhedron"},
     Reserved{ReservedAs::kind, "field", "taper"},
-    Reserved{ReservedAs::kind, "field", "bend"},
     Reserved{ReservedAs::kind, "field", "axial"},
     Reserved{ReservedAs::kind, "surface", "glass"},
     Reserved{ReservedAs::key, "shape", "texture"},

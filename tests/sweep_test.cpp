@@ -30,14 +30,7 @@ Kind<SampledMode> random_leaf(Random& r) {
   Kind<SampledMode> k = random_kind<Kind>(r);
   k.radius = random_radius(r);
   k.weight = float(r.below(6) ? 1 + r.log_uniform(0.01, 2) : -r.uniform(0.2, 2));
-  const auto shrink = [&](float& own_radius) { own_radius = r.below(5) ? 0.4f * own_radius : 0; };
-  if constexpr (requires { k.from_radius; }) {
-    shrink(k.from_radius), shrink(k.to_radius);
-    if (r.below(8) == 0) k.to = k.from + 0.1f * k.from_radius;
-    if (r.below(8) == 0) k.to_radius = k.from_radius;
-  }
-  if constexpr (requires { k.minor_radius; }) shrink(k.minor_radius), shrink(k.major_radius);
-  if constexpr (requires { k.disc_radius; }) shrink(k.disc_radius);
+  make_special(k, r);
   return k;
 }
 
@@ -56,7 +49,7 @@ struct Makers {
           K k = random_kind<Kind>(r);
           k.child = child;
           if constexpr (requires { k.rate; }) k.rate *= 60; // degrees
-          if constexpr (requires { k.length; }) k.length = r.below(2) ? k.length : 0;
+          make_special(k, r);
           return add(field, k);
         });
       else if constexpr (Operator<K>)

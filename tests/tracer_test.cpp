@@ -94,7 +94,7 @@ TEST(Tracer, APacketIsNoMoreThanItsRays) {
   std::vector<std::pair<SampledField, CellLimits>> fields;
   for (const BlobCloud& cloud : {coincident_cloud(Falloff::quartic), thin_cloud(Falloff::quartic), negative_cloud(Falloff::wyvill)})
     for (const CellLimits& limits : {CellLimits{}, k_small_cells}) fields.push_back({field_of(cloud), limits});
-  for (int trial = 0; trial < 40; ++trial) {
+  for (int trial = 0; trial < 60; ++trial) {
     Random r(trial);
     SampledField field;
     random_tree(r, 1 + trial % 3, field);

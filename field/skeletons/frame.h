@@ -24,6 +24,12 @@ struct AxisFrame {
     u = {1 + sign * e.x * e.x * a, sign * b, -sign * e.x};
     v = {b, sign + e.y * e.y * a, -e.y};
   }
+  /// With u along what of `across` is perpendicular to the axis; any u where nothing is.
+  AxisFrame(const Vec3d& origin_, const Vec3d& axis, const Vec3d& across) : AxisFrame(origin_, axis) {
+    const Vec3d rest = across - e * glm::dot(across, e);
+    const double squared = glm::dot(rest, rest);
+    if (squared > 1e-12 * glm::dot(across, across)) u = rest / std::sqrt(squared), v = glm::cross(e, u);
+  }
 
   template <class Real>
   static Real along(const Vec3d& direction, const Point3<Real>& p) {

@@ -1,6 +1,7 @@
 #include "tests/reference/field.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace reference {
 
@@ -104,9 +105,27 @@ Vec untwisted(const Node& node, Vec p) {
   return node.centre + q * c + cross * s + e * (dot(e, q) * (1 - c));
 }
 
+Unbent unbent(const Node& node, Vec p) {
+  const double infinity = std::numeric_limits<double>::infinity(), pi = std::acos(-1.0);
+  if (node.angle == 0) return {p, infinity, infinity};
+  const Vec e = node.axis * (1 / length(node.axis)), side = node.towards - e * dot(node.towards, e);
+  const Vec t = side * ((node.angle < 0 ? -1 : 1) / length(side));
+  const double end = std::abs(node.angle) * pi / 180, radius = node.length / end;
+  const Vec q = p - (node.centre + t * radius); // from the bend axis; the line is at -t * radius
+  const double x = -dot(q, t), z = dot(q, e), d = std::hypot(x, z), middle = end / 2;
+  // From the middle of the arc, in [-pi, pi], so that the jump is at the ends.
+  const double from_middle = d > 0 ? std::remainder(std::atan2(z, x) - middle, 2 * pi) : 0;
+  const double turned = std::clamp(from_middle, -middle, middle) + middle;
+  // Back by `turned`, then up along the line by the arc's length.
+  const double bx = x * std::cos(turned) + z * std::sin(turned), bz = z * std::cos(turned) - x * std::sin(turned);
+  const double past = pi - std::abs(from_middle);
+  return {p + t * (x - bx) + e * (bz - z + turned * radius), d / radius, past < pi / 2 ? d * std::sin(past) : d};
+}
+
 double value(const Node& node, Vec p, double threshold, bool is_below_blend) {
   using Kind = Node::Kind;
   if (node.kind == Kind::twist) return value(*node.children[0], untwisted(node, p), threshold, is_below_blend);
+  if (node.kind == Kind::bend) return value(*node.children[0], unbent(node, p).p, threshold, is_below_blend);
   if (node.kind == Kind::warp) return value(*node.children[0], node.child_from_parent.point(p), threshold, is_below_blend);
   if (node.kind == Kind::leaves) {
     double sum = 0;

@@ -34,19 +34,43 @@ using NodePtr = std::shared_ptr<const Node>;
 
 /// `leaves` stands for their sum; the other kinds have children.
 struct Node {
-  enum class Kind { leaves, blend, unite, intersect, subtract, warp, hyper_blend, local_blend, r_unite, r_intersect, r_subtract, twist };
+  enum class Kind {
+    leaves,
+    blend,
+    unite,
+    intersect,
+    subtract,
+    warp,
+    hyper_blend,
+    local_blend,
+    r_unite,
+    r_intersect,
+    r_subtract,
+    twist,
+    bend
+  };
   Kind kind = Kind::leaves;
   std::vector<Leaf> leaves;
   std::vector<NodePtr> children;
   Affine child_from_parent; ///< of a warp: f(p) = f_child(W^-1 p)
   double n = 1;             ///< of a hyper-blend
-  Vec centre, axis;         ///< of a twist
+  Vec centre, axis;         ///< of a twist or a bend
   double rate = 0;          ///< of a twist, in degrees a unit
-  double length = 0;        ///< of a twist: how far along the axis it acts; 0: everywhere
+  double length = 0;        ///< how far along the axis a twist or bend acts; 0: everywhere
+  Vec towards;              ///< of a bend: the side of its bend axis, perpendicular to `axis`
+  double angle = 0;         ///< of a bend, in degrees
 };
 
 /// Where p is for the child of a twist: turned back about the axis.
 Vec untwisted(const Node&, Vec p);
+
+/// Where p is for the child of a bend, and how that changes with p.
+struct Unbent {
+  Vec p;
+  double to_axis; ///< the distance from the bend axis, in its radii; infinity of a bend that is straight
+  double to_cut;  ///< how far p is from where the map jumps
+};
+Unbent unbent(const Node&, Vec p);
 
 /// The field f at p; `threshold` is T of the shape, which a difference needs. R-functions are what they are
 /// named where a blend stands above (`is_below_blend`), else maxima and minima. The region of a local

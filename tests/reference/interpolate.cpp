@@ -96,6 +96,13 @@ private:
       const double k = std::abs(node.rate) * std::acos(-1.0) / 180 * (from_axis + reach), stretch = 0.5 * (k + std::sqrt(k * k + 4));
       return smallest_radius(*node.children[0], untwisted(node, p), reach * stretch) / stretch;
     }
+    if (node.kind == Node::Kind::bend) { // stretches the most near the bend axis; across the cut anything may follow
+      const Unbent q = unbent(node, p);
+      const double radius = q.to_axis < k_infinity ? node.length * 180 / (std::abs(node.angle) * std::acos(-1.0)) : 1;
+      if (q.to_axis * radius <= reach) return 0;
+      const double stretch = std::max(1.0, 1 / (q.to_axis - reach / radius));
+      return smallest_radius(*node.children[0], q.p, q.to_cut <= reach ? k_infinity : reach * stretch) / stretch;
+    }
     double least = k_infinity;
     for (const Leaf& leaf : node.leaves)
       if (distance(leaf, p) < leaf.radius + reach) least = std::min(least, leaf.radius);

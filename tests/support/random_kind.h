@@ -28,10 +28,9 @@ public:
   }
 
   /// A value that `range` allows, of moderate size.
-  double in(const Range& range) {
-    constexpr double k_reach = 2;
-    double lower = std::max(range.lower, -k_reach), upper = std::min(range.upper, k_reach);
-    if (!(lower < upper)) lower = range.lower, upper = std::isfinite(range.upper) ? range.upper : range.lower + k_reach;
+  double in(const Range& range, double reach = 2) {
+    double lower = std::max(range.lower, -reach), upper = std::min(range.upper, reach);
+    if (!(lower < upper)) lower = range.lower, upper = std::isfinite(range.upper) ? range.upper : range.lower + reach;
     const double margin = 0.05 * (upper - lower); // off the open ends
     return uniform(lower + (range.lower_open ? margin : 0), upper - (range.upper_open ? margin : 0));
   }
@@ -50,16 +49,17 @@ inline BlobCloud random_cloud(Random& r, int count, double lowest_weight) {
 /// Draws one parameter. Files, names and children are left as they are.
 template <class T>
 void randomise(T& member, const ParameterRules& rules, Random& r) {
+  const double reach = rules.unit == Unit::degrees ? 180 : 2;
   if constexpr (std::is_same_v<T, bool>)
     member = r.below(2) == 1;
   else if constexpr (std::is_floating_point_v<T>)
-    member = static_cast<T>(r.in(rules.range));
+    member = static_cast<T>(r.in(rules.range, reach));
   else if constexpr (std::is_integral_v<T> && !std::is_same_v<T, unsigned>)
     member = static_cast<T>(std::lround(r.in(rules.range)));
   else if constexpr (std::is_enum_v<T>)
     member = EnumNames<T>::values[r.below(static_cast<int>(EnumNames<T>::values.size()))].second;
   else if constexpr (std::is_same_v<T, Vec3>)
-    for (int i = 0; i < 3; ++i) member[i] = static_cast<float>(r.in(rules.range));
+    for (int i = 0; i < 3; ++i) member[i] = static_cast<float>(r.in(rules.range, reach));
 }
 
 /// A sampled kind with random parameters and, where it has files, random contents.
@@ -72,6 +72,28 @@ Kind<SampledMode> random_kind(Random& r) {
     kind.morph = std::make_shared<const LiquidMorph>(random_cloud(r, 1 + r.below(9), 0.5), random_cloud(r, 1 + r.below(9), 0.5),
                                                      kind.correspondence, kind.volume);
   return kind;
+}
+
+/// Makes lengths moderate and, at times, what is a special case: 0 where that is allowed, two lengths or two
+/// places alike, or one place hardly off another.
+template <class Kind>
+void make_special(Kind& kind, Random& r) {
+  const float* last_length = nullptr;
+  const Vec3* last_place = nullptr;
+  const auto one = [&](auto& member, const ParameterRules& rules) {
+    if (rules.unit != Unit::length || rules.name == "radius") return;
+    using T = std::decay_t<decltype(member)>;
+    if constexpr (std::is_same_v<T, float>) {
+      member *= 0.4f;
+      if (rules.range.contains(0) && r.below(5) == 0) member = 0;
+      if (last_length && r.below(8) == 0) member = *last_length;
+      last_length = &member;
+    } else if constexpr (std::is_same_v<T, Vec3>) {
+      if (last_place && r.below(8) == 0) member = *last_place + float(r.below(3)) * 0.02f * Vec3(r.direction());
+      last_place = &member;
+    }
+  };
+  std::apply([&](const auto&... row) { (one(kind.*(row.member), row), ...); }, Kind::parameters());
 }
 
 } // namespace kelpie

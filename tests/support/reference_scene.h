@@ -98,6 +98,10 @@ inline reference::NodePtr reference_of(const SampledField& field, unsigned node)
         } else if constexpr (std::is_same_v<S, Twist<SampledMode>>) {
           out->kind = Kind::twist, out->centre = reference_of(k.centre), out->axis = reference_of(k.axis);
           out->rate = k.rate, out->length = k.length, out->children = {reference_of(field, k.child)};
+        } else if constexpr (std::is_same_v<S, Bend<SampledMode>>) {
+          out->kind = Kind::bend, out->centre = reference_of(k.centre), out->axis = reference_of(k.axis);
+          out->towards = reference_of(k.towards), out->angle = k.angle, out->length = k.length;
+          out->children = {reference_of(field, k.child)};
         } else if constexpr (Operator<S>) {
           constexpr bool is_blend = std::is_same_v<S, Blend<SampledMode>>, is_union = std::is_same_v<S, Union<SampledMode>>,
                          is_intersection = std::is_same_v<S, Intersection<SampledMode>>,

@@ -1,0 +1,169 @@
+#pragma once
+
+#include <limits>
+#include <numbers>
+
+#include "base/box.h"
+#include "field/skeletons/frame.h"
+
+namespace kelpie {
+
+/// The angle of the vector (x, y), in [least, least + 2 pi).
+inline double azimuth(double x, double y, double least) {
+  const double angle = std::atan2(y, x);
+  return angle < least ? angle + 2 * std::numbers::pi : angle >= least + 2 * std::numbers::pi ? angle - 2 * std::numbers::pi : angle;
+}
+/// Exact: over a box that keeps off the origin and off the cut the extremes are at corners. Any other box is
+/// given the whole circle, by which a jump is known.
+inline Interval azimuth(Interval x, Interval y, double least) {
+  const Interval everywhere{least, least + 2 * std::numbers::pi};
+  if (x.contains(0) && y.contains(0)) return everywhere;
+  const double a = azimuth(x.lo, y.lo, least), b = azimuth(x.lo, y.hi, least), c = azimuth(x.hi, y.lo, least),
+               d = azimuth(x.hi, y.hi, least);
+  const Interval range{std::min(std::min(a, b), std::min(c, d)), std::max(std::max(a, b), std::max(c, d))};
+  return range.width() < std::numbers::pi ? range : everywhere;
+}
+/// The slopes of a jump: finite, so that products with 0 stay numbers.
+inline constexpr Interval k_jump{-1e30, 1e30};
+inline double azimuth_slope(double cosine, double radius, double) { return radius > 0 ? cosine / radius : 0; }
+inline Interval azimuth_slope(Interval cosine, Interval radius, Interval angle) {
+  return angle.width() < std::numbers::pi ? intersect(cosine / radius, k_jump) : k_jump;
+}
+template <class T, int N>
+Dual<T, N> azimuth(const Dual<T, N>& x, const Dual<T, N>& y, double least) {
+  Dual<T, N> r;
+  r.value = azimuth(x.value, y.value, least);
+  const T radius = norm(x.value, y.value);
+  const T by_x = -azimuth_slope(cosine(y.value, x.value), radius, r.value), by_y = azimuth_slope(cosine(x.value, y.value), radius, r.value);
+  for (int i = 0; i < N; ++i) r.d[i] = by_x * x.d[i] + by_y * y.d[i];
+  return r;
+}
+
+template <class Mode>
+struct Bend {
+  static constexpr std::string_view k_name = "bend";
+  static constexpr std::string_view k_doc = R"(Bends its child along an arc of a circle: a straight rod becomes a hook or a ring.
+
+    f(p) = f_child(W^-1 p),   W turns what lies at height h above `centre`, h in [0, length], by angle * h / length
+                              about the bend axis, after it has been moved back to height 0
+
+The bend axis lies at distance `length` / angle (in radians) from the line through `centre` along `axis`, on the side
+of `towards`, perpendicular to both. The line itself keeps its length. Before `centre` nothing moves; what is beyond
+`length` goes on straight. At distance d from the bend axis lengths along the arc change by the factor d * angle / length.
+A negative `angle` bends the other way.
+
+The child should end before the bend axis. Points past it, on the far side of the arc, are seen by whichever straight
+part is nearer: where the two meet, opposite the middle of the arc, what the child has there is cut off.
+Source: Barr 1984, "Global and local deformations of solid primitives"; methods.md section 2, warps.)";
+
+  Value<Mode, Vec3> axis{Vec3(0, 1, 0)};
+  Value<Mode, Vec3> towards{Vec3(1, 0, 0)};
+  Value<Mode, Vec3> centre{Vec3(0)};
+  Value<Mode, float> angle{90.f};
+  Value<Mode, float> length{1.f};
+  typename Mode::Child child{};
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("axis", &Bend::axis, "direction of the line that is bent; need not be a unit vector").nonzero(),
+        parameter("towards", &Bend::towards, "the side to which it is bent; only what is perpendicular to `axis` counts").nonzero(),
+        parameter("centre", &Bend::centre, "where on the line the bend begins").in(Unit::length),
+        parameter("angle", &Bend::angle, "from the bend's beginning to its end").in(Unit::degrees).at_least(-360).at_most(360).required(),
+        parameter("length", &Bend::length, "how far along the line it is bent").in(Unit::length).above(0).required(),
+        parameter("child", &Bend::child, "the field to bend").required(),
+    };
+  }
+
+  // Sampled:
+
+  template <class Real>
+  Point3<Real> child_from_parent(const Point3<Real>& p) const {
+    const Arc arc(*this);
+    if (arc.is_straight()) return p;
+    const Point3<Real> q = arc.frame.local(p);
+    const double k = arc.curvature, end = arc.end;
+    // About the bend axis, in radii: the line is at 1. The cut is opposite the middle of the arc.
+    const Real x = Real(1.0) - k * q.x, y = k * q.z, turn = azimuth(x, y, 0.5 * end - std::numbers::pi);
+    const Interval range = range_of(turn);
+    Pieces<Real> pieces;
+    if (range.lo <= 0) pieces.add({q.x, q.y, within(q.z, {-k_far, 0})});
+    if (range.hi >= 0 && range.lo <= end) pieces.add({(Real(1.0) - norm(x, y)) * (1 / k), q.y, within(turn * (1 / k), {0, length})});
+    if (range.hi >= end) {
+      const Point3<Real> r = arc.before_end(q);
+      pieces.add({r.x, r.y, within(r.z, {length, k_far})});
+    }
+    if (range.width() >= std::numbers::pi) pieces.tear();
+    return arc.frame.global(pieces.all);
+  }
+
+  template <class Real>
+  Point3<Real> parent_from_child(const Point3<Real>& p) const {
+    const Arc arc(*this);
+    if (arc.is_straight()) return p;
+    const Point3<Real> q = arc.frame.local(p);
+    const double k = arc.curvature;
+    const Interval range = range_of(q.z);
+    Pieces<Real> pieces;
+    if (range.lo <= 0) pieces.add({q.x, q.y, within(q.z, {-k_far, 0})});
+    if (range.hi >= 0 && range.lo <= length) {
+      const Real turn = k * within(q.z, {0, length}), radius = Real(1.0) - k * q.x;
+      pieces.add({(Real(1.0) - radius * cos(turn)) * (1 / k), q.y, radius * sin(turn) * (1 / k)});
+    }
+    if (range.hi >= length) pieces.add(arc.beyond_end(Point3<Real>{q.x, q.y, within(q.z, {length, k_far})}));
+    return arc.frame.global(pieces.all);
+  }
+
+  /// A box around the image of a box.
+  Box3d image_of(const Box3d& box) const {
+    const Point3<Interval> r =
+        parent_from_child(Point3<Interval>{{box.lower.x, box.upper.x}, {box.lower.y, box.upper.y}, {box.lower.z, box.upper.z}});
+    return {Vec3d(r.x.lo, r.y.lo, r.z.lo), Vec3d(r.x.hi, r.y.hi, r.z.hi)};
+  }
+
+private:
+  static constexpr double k_far = std::numeric_limits<double>::infinity();
+
+  /// In the frame: x towards the bend axis, z along the line.
+  struct Arc {
+    AxisFrame frame;
+    double end, curvature; ///< the whole angle and that for a unit of length, in radians, not negative
+    double c, s, x, z;     ///< cosine and sine of `end`; what is beyond the end was turned by it and then moved by (x, 0, z)
+
+    explicit Arc(const Bend& b)
+        : frame(Vec3d(b.centre), Vec3d(b.axis), b.angle < 0 ? -Vec3d(b.towards) : Vec3d(b.towards)),
+          end(glm::radians(std::abs(double(b.angle)))), curvature(end / double(b.length)), c(std::cos(end)), s(std::sin(end)),
+          x((1 - c) / curvature), z((end - s) / curvature) {}
+
+    /// Below this angle rounding would move points by more than the bend does: both are about 1e-8 of the length.
+    bool is_straight() const { return end < 1e-8; }
+
+    template <class Real>
+    Point3<Real> before_end(const Point3<Real>& q) const {
+      return {q.x * c - q.z * s + Real(x), q.y, q.x * s + q.z * c + Real(z)};
+    }
+    template <class Real>
+    Point3<Real> beyond_end(const Point3<Real>& q) const {
+      const Real a = q.x - Real(x), h = q.z - Real(z);
+      return {a * c + h * s, q.y, h * c - a * s};
+    }
+  };
+
+  /// What holds in any of the parts of space that a box meets.
+  template <class Real>
+  struct Pieces {
+    Point3<Real> all;
+    bool is_first = true;
+
+    void add(const Point3<Real>& p) {
+      all = is_first ? p : Point3<Real>{either(all.x, p.x), either(all.y, p.y), either(all.z, p.z)};
+      is_first = false;
+    }
+    /// The box meets the cut: differences have no bound.
+    void tear() {
+      if constexpr (requires { all.x.d[0].lo; })
+        for (Real* r : {&all.x, &all.y, &all.z}) r->d.fill(k_jump);
+    }
+  };
+};
+
+} // namespace kelpie
