@@ -77,6 +77,23 @@ private:
   }
 };
 
+/// Answers the lanes that are unsure one by one, by the solver for single rays.
+template <class Solver>
+void settle(const Solver& solver, const ShapeCells& shape, const Cell& cell, const RayLanes& rays, size_t first, const Segments& segments,
+            uint32_t unsure, uint32_t& hits, SolverWork& work, float* t) {
+  alignas(64) float t0[k_width], t1[k_width], entry[k_width];
+  hn::Store(segments.t0, k_lanes, t0), hn::Store(segments.t1, k_lanes, t1), hn::Store(segments.entry, k_lanes, entry);
+  for (size_t i = 0; i < k_width; ++i) {
+    if (!(unsure >> i & 1)) continue;
+    const Ray ray = rays.ray(first + i);
+    float root;
+    if (!solver(shape, cell, {ray.origin, ray.direction, t0[i], t1[i], entry[i], false}, work, root)) continue;
+    root = std::max(root, entry[i]);
+    t[i] = hits >> i & 1 ? std::min(root, t[i]) : root;
+    hits |= 1u << i;
+  }
+}
+
 } // namespace HWY_NAMESPACE
 } // namespace kelpie
 HWY_AFTER_NAMESPACE();

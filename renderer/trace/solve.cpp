@@ -33,8 +33,11 @@ bool solve(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, Sol
 }
 
 uint32_t solve_lanes(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, SolveCounters& counters, float* t) {
-  const bool is_cloud = cell.content == Cell::Content::pure_blobs || cell.content == Cell::Content::mixed_blobs;
-  return is_cloud ? solve_blobs_lanes(shape, cell, rays, counters, t) : solve_one_by_one(shape, cell, rays, counters, t);
+  switch (cell.content) {
+  case Cell::Content::tree: return solve_tree_lanes(shape, cell, rays, counters, t);
+  case Cell::Content::code: return solve_one_by_one(shape, cell, rays, counters, t);
+  default: return solve_blobs_lanes(shape, cell, rays, counters, t);
+  }
 }
 
 uint32_t solve_one_by_one(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, SolveCounters& counters, float* t) {

@@ -105,6 +105,7 @@ Vec3 blobs_gradient(const ShapeCells&, const Cell&, const Vec3& p);
 uint32_t solve_one_by_one(const ShapeCells&, const Cell&, const RayLanes&, SolveCounters&, float* t);
 /// Trees of cone-spheres; SIMD, dispatched at run time.
 bool solve_tree(const ShapeCells&, const Cell&, const RaySegment&, SolverWork&, float& t);
+uint32_t solve_tree_lanes(const ShapeCells&, const Cell&, const RayLanes&, SolveCounters&, float* t);
 Vec3 tree_gradient(const ShapeCells&, const Cell&, const Vec3& p);
 /// Any code.
 bool solve_code(const ShapeCells&, const Cell&, const RaySegment&, SolverWork&, float& t);

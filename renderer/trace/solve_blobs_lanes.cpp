@@ -218,22 +218,6 @@ private:
   std::array<LaneBlobs, 2>& active_;
 };
 
-/// Answers the lanes that are unsure one by one.
-void settle(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, size_t first, const Segments& segments, uint32_t unsure,
-            uint32_t& hits, SolverWork& work, float* t) {
-  alignas(64) float t0[k_width], t1[k_width], entry[k_width];
-  hn::Store(segments.t0, k_lanes, t0), hn::Store(segments.t1, k_lanes, t1), hn::Store(segments.entry, k_lanes, entry);
-  for (size_t i = 0; i < k_width; ++i) {
-    if (!(unsure >> i & 1)) continue;
-    const Ray ray = rays.ray(first + i);
-    float root;
-    if (!solve_blobs(shape, cell, {ray.origin, ray.direction, t0[i], t1[i], entry[i], false}, work, root)) continue;
-    root = std::max(root, entry[i]);
-    t[i] = hits >> i & 1 ? std::min(root, t[i]) : root;
-    hits |= 1u << i;
-  }
-}
-
 template <bool Pure>
 uint32_t SolveGroup(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, size_t first, SolveCounters& counters, float* t) {
   thread_local std::array<LaneBlobs, 2> active;
@@ -247,7 +231,7 @@ uint32_t SolveGroup(const ShapeCells& shape, const Cell& cell, const RayLanes& r
       .run(shape.blobs(cell), cell.count, segments, enough, hit, unsure, at);
   hn::StoreU(at, k_lanes, t);
   uint32_t hits = bits_of(hit);
-  if (!none(unsure)) settle(shape, cell, rays, first, segments, bits_of(unsure), hits, counters.blobs, t);
+  if (!none(unsure)) settle(solve_blobs, shape, cell, rays, first, segments, bits_of(unsure), hits, counters.blobs, t);
   return hits;
 }
 

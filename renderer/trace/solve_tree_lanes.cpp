@@ -1,0 +1,271 @@
+// The solver for trees of cone-spheres, for packets: lanes are rays. Each lane walks along its own segment (s in
+// [-h, h], centred) by stretches of its own length. A stretch is passed if the bound over it (solve_tree.cpp)
+// clears it; if not, a shorter one is tried. The secant of the last two places says where the surface may be, so
+// that stretches end just before it; the last one, shorter than any secondary ray's offset, steps over it.
+//
+// The lanes evaluate together, and no lane's arithmetic looks at another's.
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "renderer/trace/solve_tree_lanes.cpp"
+#include <hwy/aligned_allocator.h>
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <array>
+#include <cmath>
+
+#include "renderer/trace/lanes-inl.h"
+#include "renderer/trace/solve.h"
+#include "renderer/trace/tree_leaf-inl.h"
+
+#ifndef KELPIE_SOLVE_TREE_LANES_ONCE
+#define KELPIE_SOLVE_TREE_LANES_ONCE
+namespace kelpie {
+
+/// A packet in the frames of the leaves that some lane meets: (x, y, z)(s) = first three + s * last three, a vector each.
+struct LaneTree {
+  hwy::AlignedFreeUniquePtr<float[]> frames;
+  std::vector<uint32_t> leaves; ///< which they are
+  std::vector<TreeStep> steps;  ///< the tree's, with what is left of their leaves
+  size_t capacity = 0;
+
+  void begin(size_t n) {
+    leaves.clear(), steps.clear();
+    if (capacity >= n) return;
+    capacity = n;
+    frames = hwy::AllocateAligned<float>(n * 6 * k_packet);
+  }
+};
+
+/// After this many evaluations a lane is left to the solver for single rays.
+inline constexpr int k_most_tries = 40;
+
+} // namespace kelpie
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace kelpie {
+namespace HWY_NAMESPACE {
+
+class TreeLaneSolver {
+public:
+  TreeLaneSolver(const ShapeCells& shape, const Cell& cell, SolverWork& work, LaneTree& scratch)
+      : tree_(shape.tree(cell)), threshold_(static_cast<float>(shape.program.threshold)), negligible_(1e-5f * threshold_),
+        tiny_(cell.epsilon), work_(work), lanes_(scratch) {}
+
+  /// The lanes that hit, in `hit`; those that only the solver for single rays can answer, in `unsure`.
+  /// `enough`: where a lane may stop at any point that is inside, up to this t.
+  void run(const Vec3& centre, const Segments& segments, V enough, M& hit, M& unsure, V& t) {
+    const V3& o = segments.origin;
+    const V3& d = segments.direction;
+    const V middle = hn::Mul(set(0.5f), hn::Add(segments.t0, segments.t1));
+    half_ = hn::Mul(set(0.5f), hn::Sub(segments.t1, segments.t0));
+    const V3 m{hn::Sub(hn::MulAdd(middle, d.x, o.x), set(centre.x)), hn::Sub(hn::MulAdd(middle, d.y, o.y), set(centre.y)),
+               hn::Sub(hn::MulAdd(middle, d.z, o.z), set(centre.z))};
+    live_ = segments.live;
+    const V most = set_up(m, d);
+    hit = unsure = no_lanes();
+    live_ = hn::And(live_, hn::Ge(most, set(threshold_ * (1 - 1e-6f))));
+    if (none(live_)) return;
+    V root;
+    march(hn::Sub(enough, middle), hit, root);
+    unsure = live_;
+    t = hn::Max(hn::Add(middle, root), segments.entry);
+  }
+
+private:
+  /// Puts the rays into the frames of the leaves; returns upper bounds of the field on the segments.
+  V set_up(const V3& m, const V3& d) {
+    lanes_.begin(tree_.leaf_count);
+    V stack[k_tree_depth + 1];
+    size_t depth = 0;
+    for (const TreeStep& step : tree_.steps) {
+      TreeStep& left = lanes_.steps.emplace_back(step);
+      if (step.kind != TreeStep::Kind::leaves) {
+        depth -= step.count;
+        join_lanes(step, stack + depth);
+        ++depth;
+        continue;
+      }
+      left.first = static_cast<uint32_t>(lanes_.leaves.size());
+      V most = hn::Zero(k_lanes);
+      for (uint32_t i = step.first; i < step.first + step.count; ++i) {
+        const V peak = set_up_leaf(i, m, d);
+        most = hn::Add(most, step.is_subtracted ? hn::Min(peak, hn::Zero(k_lanes)) : hn::Max(peak, hn::Zero(k_lanes)));
+      }
+      left.count = static_cast<uint32_t>(lanes_.leaves.size()) - left.first;
+      stack[depth++] = most;
+    }
+    return stack[0];
+  }
+
+  /// The potential at the place of the segment that is nearest to the leaf, or nearer.
+  V set_up_leaf(uint32_t i, const V3& m, const V3& d) {
+    const auto row = [&](uint32_t r) { return set(tree_.leaves[r * tree_.leaf_count + i]); };
+    const auto along = [&](uint32_t r) { return hn::MulAdd(row(r), d.x, hn::MulAdd(row(r + 1), d.y, hn::Mul(row(r + 2), d.z))); };
+    const auto at = [&](uint32_t r) {
+      return hn::MulAdd(row(r), m.x, hn::MulAdd(row(r + 1), m.y, hn::MulAdd(row(r + 2), m.z, row(r + 3))));
+    };
+    const V x = at(leaf_xx), y = at(leaf_yx), z = at(leaf_zx), x1 = along(leaf_xx), y1 = along(leaf_yx), z1 = along(leaf_zx);
+    const Leaf leaf = Leaf::all(tree_, i);
+    const Offset offset(leaf, x, y, z);
+    const V least = hn::NegMulAdd(hn::Abs(offset.rate(x1, y1, z1)), half_, offset.distance());
+    const V peak = leaf.potential(square_of_positive(least));
+    const auto reaches = hn::And(live_, hn::Ne(peak, hn::Zero(k_lanes)));
+    if (none(reaches)) return hn::Zero(k_lanes);
+    // Where a lane does not meet the leaf, it must not make a difference whether another does: it is far away there.
+    float* frame = lanes_.frames.get() + 6 * k_width * lanes_.leaves.size();
+    hn::Store(hn::IfThenElse(reaches, x, set(1e15f)), k_lanes, frame), hn::Store(y, k_lanes, frame + k_width);
+    hn::Store(z, k_lanes, frame + 2 * k_width), hn::Store(x1, k_lanes, frame + 3 * k_width);
+    hn::Store(y1, k_lanes, frame + 4 * k_width), hn::Store(z1, k_lanes, frame + 5 * k_width);
+    lanes_.leaves.push_back(i);
+    return hn::IfThenElseZero(reaches, peak);
+  }
+
+  void join_lanes(const TreeStep& step, V* f) const {
+    const V twice = set(2 * threshold_);
+    for (uint32_t i = 1; i < step.count; ++i) switch (step.kind) {
+      case TreeStep::Kind::maximum: f[0] = hn::Max(f[0], f[i]); break;
+      case TreeStep::Kind::minimum: f[0] = hn::Min(f[0], f[i]); break;
+      case TreeStep::Kind::difference: f[0] = hn::Min(f[0], hn::Sub(twice, f[i])); break;
+      default: f[0] = hn::Add(f[0], f[i]);
+      }
+    if (step.kind == TreeStep::Kind::difference) f[0] = hn::Max(f[0], hn::Zero(k_lanes));
+  }
+
+  /// g = f - T in the middle of each lane's stretch, and what it is at most within.
+  void evaluate(V s, V h, V& g, V& most) const {
+    work_.evaluations += hn::CountTrue(k_lanes, live_);
+    V value[k_tree_depth + 1], bound[k_tree_depth + 1];
+    size_t depth = 0;
+    for (const TreeStep& step : lanes_.steps) {
+      if (step.kind == TreeStep::Kind::leaves) {
+        V sum = hn::Zero(k_lanes), extreme = hn::Zero(k_lanes);
+        for (uint32_t j = step.first; j < step.first + step.count; ++j) add_leaf(j, s, h, !step.is_subtracted, sum, extreme);
+        value[depth] = sum, bound[depth++] = extreme;
+        continue;
+      }
+      depth -= step.count;
+      join_lanes(step, value + depth), join_lanes(step, bound + depth);
+      ++depth;
+    }
+    g = hn::Sub(value[0], set(threshold_)), most = hn::Sub(bound[0], set(threshold_));
+  }
+
+  void add_leaf(uint32_t j, V s, V h, bool wants_upper, V& sum, V& extreme) const {
+    const uint32_t i = lanes_.leaves[j];
+    const float* frame = lanes_.frames.get() + 6 * k_width * j;
+    const auto frame_row = [&](size_t r) { return hn::Load(k_lanes, frame + r * k_width); };
+    const V x1 = frame_row(3), y1 = frame_row(4), z1 = frame_row(5);
+    const Leaf leaf = Leaf::all(tree_, i);
+    const auto offset_at = [&](V place) {
+      return Offset(leaf, hn::MulAdd(x1, place, frame_row(0)), hn::MulAdd(y1, place, frame_row(1)), hn::MulAdd(z1, place, frame_row(2)));
+    };
+    const Offset offset = offset_at(s);
+    const V distance = offset.distance();
+    const bool is_positive = tree_.leaves[leaf_a * tree_.leaf_count + i] + tree_.leaves[leaf_b * tree_.leaf_count + i] > 0;
+    const V nearest_or_farthest = wants_upper == is_positive
+                                      ? hn::NegMulAdd(hn::Abs(offset.rate(x1, y1, z1)), h, distance)
+                                      : hn::Max(offset_at(hn::Sub(s, h)).distance(), offset_at(hn::Add(s, h)).distance());
+    sum = hn::Add(sum, leaf.potential(square_of_positive(distance)));
+    extreme = hn::Add(extreme, leaf.potential(square_of_positive(nearest_or_farthest)));
+  }
+
+  void march(V enough, M& hit, V& root) {
+    const V zero = hn::Zero(k_lanes), one_half = set(0.5f), tiny = set(tiny_), near = set(0.4f * tiny_);
+    const V longest = hn::Max(half_, tiny);
+    V from = hn::Neg(half_), step = hn::Mul(set(0.5f), longest); // up to `from` there is no root
+    V before = from, g_before = set(-1);                         // the last place with g < 0
+    M has_before = no_lanes();
+    root = from;
+    for (int i = 0; i < k_most_tries && !none(live_); ++i) {
+      step = hn::Max(hn::Min(step, hn::Sub(half_, from)), set(1e-3f * tiny_));
+      const V x = hn::MulAdd(one_half, step, from);
+      V g, most;
+      evaluate(x, hn::Mul(set(0.5005f), step), g, most);
+      const auto outside = hn::Lt(g, zero);
+      const auto is_tiny = hn::Le(step, tiny);
+      const auto is_clear = hn::Lt(most, set(negligible_));
+
+      // Where the secant is 0; of use if the field has risen.
+      const V secant = hn::NegMulAdd(g, hn::Div(hn::Sub(x, before), hn::Sub(g, g_before)), x);
+      const auto has_secant = hn::And(has_before, hn::Gt(g, g_before));
+
+      const auto will_do = hn::And(live_, hn::AndNot(outside, hn::Le(x, enough)));
+      const auto starts_inside = hn::AndNot(has_before, hn::Le(step, set(0.05f * tiny_)));
+      const auto is_close = hn::Or(starts_inside, hn::And(has_before, hn::Le(hn::Sub(x, before), hn::Mul(set(4), tiny))));
+      const auto found = hn::AndNot(outside, hn::And(live_, hn::And(is_tiny, is_close)));
+      const auto answered = hn::Or(will_do, found);
+      const V at_surface = hn::IfThenElse(has_before, hn::Min(hn::Max(secant, from), x), from);
+      root = hn::IfThenElse(will_do, x, hn::IfThenElse(found, at_surface, root));
+      hit = hn::Or(hit, answered);
+
+      const V end = hn::Add(from, step);
+      from = hn::IfThenElse(is_clear, end, from);
+      const auto ends = hn::And(is_clear, hn::Ge(from, half_));
+      live_ = hn::AndNot(hn::Or(answered, ends), live_);
+
+      // How far the next stretch goes: just short of the secant's root, or, where that is near, just past it, or, if
+      // the last place outside is still too far off for the secant to be exact, to a place before it.
+      const V ahead = hn::Sub(secant, from);
+      const V past = hn::Max(hn::Mul(set(2.4f), ahead), set(0.3f * tiny_)), up_to = hn::Max(hn::Mul(set(1.8f), ahead), set(0.02f * tiny_));
+      const auto is_known = hn::And(has_secant, hn::Le(hn::Sub(secant, hn::IfThenElse(outside, x, before)), hn::Mul(set(3), tiny)));
+      const V by_secant = hn::IfThenElse(hn::Gt(ahead, near), hn::Mul(set(0.9f), ahead), hn::IfThenElse(is_known, past, up_to));
+      const V gap = hn::Max(hn::Sub(most, g), set(1e-30f));
+      const V by_bound = hn::Mul(hn::Min(hn::Max(hn::Sqrt(hn::Div(hn::Neg(g), gap)), set(0.2f)), set(0.7f)), step);
+      const V unaided = hn::IfThenElse(is_clear, hn::Add(step, step), hn::IfThenElse(outside, by_bound, hn::Mul(set(0.3f), step)));
+      step = hn::IfThenElse(has_secant, hn::Min(unaided, by_secant), unaided);
+      const auto lingers = hn::And(hn::And(has_secant, is_tiny), hn::AndNot(is_clear, outside)); // the surface is in the second half
+      step = hn::IfThenElse(lingers, by_secant, step);
+
+      before = hn::IfThenElse(outside, x, before), g_before = hn::IfThenElse(outside, g, g_before);
+      has_before = hn::Or(has_before, outside);
+    }
+  }
+
+  TreeView tree_;
+  float threshold_, negligible_, tiny_;
+  V half_;
+  M live_; ///< lanes without an answer
+  SolverWork& work_;
+  LaneTree& lanes_;
+};
+
+uint32_t SolveTreeGroup(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, size_t first, SolveCounters& counters, float* t) {
+  thread_local LaneTree scratch;
+  const Segments segments(rays, first, cell.box);
+  if (none(segments.live)) return 0;
+  counters.tree_packets.cells += hn::CountTrue(k_lanes, segments.live);
+  const V enough = rays.any ? hn::LoadU(k_lanes, rays.t_far + first) : set(-std::numeric_limits<float>::infinity());
+  M hit, unsure;
+  V at = hn::Zero(k_lanes);
+  TreeLaneSolver(shape, cell, counters.tree_packets, scratch).run(cell.box.centre(), segments, enough, hit, unsure, at);
+  hn::StoreU(at, k_lanes, t);
+  uint32_t hits = bits_of(hit);
+  if (!none(unsure)) settle(solve_tree, shape, cell, rays, first, segments, bits_of(unsure), hits, counters.trees, t);
+  return hits;
+}
+
+uint32_t SolveTreeLanes(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, SolveCounters& counters, float* t) {
+  if (rays.count < k_width) return solve_one_by_one(shape, cell, rays, counters, t); // Embree was told to use narrow vectors
+  uint32_t hits = 0;
+  for (size_t first = 0; first < rays.count; first += k_width)
+    hits |= SolveTreeGroup(shape, cell, rays, first, counters, t + first) << first;
+  return hits;
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace kelpie
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kelpie {
+
+HWY_EXPORT(SolveTreeLanes);
+
+uint32_t solve_tree_lanes(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, SolveCounters& counters, float* t) {
+  return HWY_DYNAMIC_DISPATCH(SolveTreeLanes)(shape, cell, rays, counters, t);
+}
+
+} // namespace kelpie
+#endif
