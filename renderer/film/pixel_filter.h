@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "scene/film.h"
 
@@ -23,6 +24,10 @@ public:
     double cumulative = 0;
     for (size_t i = 0; i < k_table; ++i) cdf_[i + 1] = static_cast<float>((cumulative += density[i]) / sum);
     cdf_[k_table] = 1;
+    for (size_t i = 0, guide = 0; guide < k_table; ++guide) {
+      while (cdf_[i + 1] <= static_cast<float>(guide) / k_table) ++i;
+      guides_[guide] = static_cast<uint16_t>(i);
+    }
   }
 
   Vec2 offset(Vec2 u) const {
@@ -40,7 +45,8 @@ private:
   static constexpr double k_radius = 1.5, k_sigma = 0.5;
 
   float inverse(float u) const {
-    const size_t i = std::min<size_t>(std::upper_bound(cdf_.begin(), cdf_.end(), u) - cdf_.begin() - 1, k_table - 1);
+    size_t i = guides_[static_cast<size_t>(u * k_table)]; // u < 1
+    while (cdf_[i + 1] <= u) ++i;
     const float width = cdf_[i + 1] - cdf_[i];
     const float within = width > 0 ? (u - cdf_[i]) / width : 0.5f;
     return static_cast<float>(k_radius * ((static_cast<double>(i) + within) / k_table * 2 - 1));
@@ -48,6 +54,7 @@ private:
 
   PixelFilter filter_;
   std::array<float, k_table + 1> cdf_{};
+  std::array<uint16_t, k_table> guides_{}; ///< where to begin to look: the entry that holds each 1 / k_table
 };
 
 } // namespace kelpie

@@ -20,13 +20,15 @@ inline uint32_t hash(uint32_t a, uint32_t b) {
 /// crop nor the order of tiles changes a picture. Each call yields the next, independent pair.
 class Sampler {
 public:
-  Sampler(uint32_t x, uint32_t y, uint32_t frame, uint32_t sample) : sample_(sample), seed_(hash(hash(x, y), frame)) {}
+  Sampler(uint32_t x, uint32_t y, uint32_t frame, uint32_t sample) : sample_reversed_(reverse(sample)), seed_(hash(hash(x, y), frame)) {}
 
   /// The next point in [0, 1)^2; the same call of other samples of the pixel fills the square evenly.
   Vec2 next_pair() {
     const uint32_t seed = hash(seed_, pair_++);
-    const uint32_t index = scramble(sample_, seed);
-    return {to_unit(scramble(reverse(index), hash(seed, 1))), to_unit(scramble(sobol_second(index), hash(seed, 2)))};
+    const uint32_t index = reverse(scramble_reversed(sample_reversed_, seed));
+    // In reversed bits the sequence's first dimension is the index itself.
+    return {to_unit(reverse(scramble_reversed(index, hash(seed, 1)))),
+            to_unit(reverse(scramble_reversed(sobol_second_reversed(index), hash(seed, 2))))};
   }
 
 private:
@@ -37,25 +39,26 @@ private:
     x = (x & 0x33333333u) << 2 | (x & 0xccccccccu) >> 2;
     return (x & 0x55555555u) << 1 | (x & 0xaaaaaaaau) >> 1;
   }
-  /// The second dimension: direction numbers v_0 = 2^31, v_i = v_{i-1} xor v_{i-1}/2.
-  static uint32_t sobol_second(uint32_t index) {
-    uint32_t x = 0;
-    for (uint32_t v = 1u << 31; index != 0; index >>= 1, v ^= v >> 1)
-      if (index & 1) x ^= v;
-    return x;
+  /// The second dimension, bits reversed. Its matrix is Pascal's triangle modulo 2, a product of five shifts.
+  static uint32_t sobol_second_reversed(uint32_t index) {
+    index ^= index >> 16;
+    index ^= (index & 0xff00ff00u) >> 8;
+    index ^= (index & 0xf0f0f0f0u) >> 4;
+    index ^= (index & 0xccccccccu) >> 2;
+    return index ^ (index & 0xaaaaaaaau) >> 1;
   }
-  /// A random permutation in which each bit depends on the higher ones only.
-  static uint32_t scramble(uint32_t x, uint32_t seed) {
-    x = reverse(x) + seed;
+  /// A random permutation of numbers with their bits reversed, in which each bit depends on the lower ones only.
+  static uint32_t scramble_reversed(uint32_t x, uint32_t seed) {
+    x += seed;
     x ^= x * 0x6c50b47cu;
     x ^= x * 0xb82f1e52u;
     x ^= x * 0xc7afe638u;
     x ^= x * 0x8d22f6e6u;
-    return reverse(x);
+    return x;
   }
   static float to_unit(uint32_t x) { return static_cast<float>(x >> 8) * 0x1p-24f; }
 
-  uint32_t sample_, seed_, pair_ = 0;
+  uint32_t sample_reversed_, seed_, pair_ = 0;
 };
 
 } // namespace kelpie
