@@ -8,8 +8,44 @@
 namespace kelpie {
 namespace {
 
+/// The potential of a leaf of a tree, by the formula of tree.h.
+double leaf_value(const TreeView& tree, size_t i, const Vec3d& p) {
+  const auto row = [&](uint32_t r) { return double(tree.leaves[r * tree.leaf_count + i]); };
+  const auto coordinate = [&](uint32_t r) { return glm::dot(Vec3d(row(r), row(r + 1), row(r + 2)), p) + row(r + 3); };
+  const double across = std::hypot(coordinate(leaf_xx), coordinate(leaf_yx)), z = coordinate(leaf_zx);
+  const double s = std::clamp(z - row(leaf_slope) * across, row(leaf_s_low), row(leaf_s_high));
+  const double d = std::max(0.0, std::hypot(across, z - s) - (row(leaf_r) - row(leaf_sine) * s));
+  const double q = std::max(0.0, 1 - row(leaf_k) * d * d);
+  return q * q * (row(leaf_a) + row(leaf_b) * q);
+}
+
+double tree_value(const TreeView& tree, const Vec3d& p, double threshold) {
+  std::vector<double> stack;
+  for (const TreeStep& step : tree.steps) {
+    double result = 0;
+    if (step.kind == TreeStep::Kind::leaves) {
+      for (uint32_t i = 0; i < step.count; ++i) result += leaf_value(tree, step.first + i, p);
+    } else {
+      const auto operands = stack.end() - step.count;
+      result = *operands;
+      for (auto f = operands + 1; f != stack.end(); ++f) switch (step.kind) {
+        case TreeStep::Kind::maximum: result = std::max(result, *f); break;
+        case TreeStep::Kind::minimum: result = std::min(result, *f); break;
+        case TreeStep::Kind::difference: result = std::min(result, 2 * threshold - *f); break;
+        default: result += *f;
+        }
+      if (step.kind == TreeStep::Kind::difference) result = std::max(0.0, result);
+      stack.erase(operands, stack.end());
+    }
+    stack.push_back(result);
+  }
+  EXPECT_EQ(stack.size(), 1u);
+  return stack.back();
+}
+
 /// The field as a cell has it, by the formulas of cells.h.
 double cell_value(const ShapeCells& shape, const Cell& cell, const Vec3d& p) {
+  if (cell.content == Cell::Content::tree) return tree_value(shape.tree(cell), p - Vec3d(cell.box.centre()), shape.program.threshold);
   if (cell.content == Cell::Content::code) return evaluate(shape.program, shape.code(cell), Point3<double>{p.x, p.y, p.z});
   const float* data = shape.blobs(cell);
   const size_t n = cell.count;
