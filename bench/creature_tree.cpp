@@ -36,6 +36,12 @@ Field twist(const Vec3d& centre, double rate, const Field& child) {
                      centre.y, centre.z, rate, child);
 }
 
+Field bend(const Vec3d& centre, double length, double angle, const Field& child) {
+  return fmt::format("{{\"kind\":\"bend\",\"axis\":[0,1,0],\"towards\":[1,0,0],\"centre\":[{:.4f},{:.4f},{:.4f}],\"length\":{:.4f},"
+                     "\"angle\":{:.4f},\"child\":{}}}",
+                     centre.x, centre.y, centre.z, length, angle, child);
+}
+
 /// A cone-sphere whose surface, when it is alone, has the radii a and b at its ends.
 Field cone(const Vec3d& from, const Vec3d& to, double a, double b, double weight = k_weight) {
   const double influence = k_softness * std::min(a, b), skin = k_surface_at * influence;
@@ -232,15 +238,24 @@ Field weeds(std::mt19937_64& random) {
 
 } // namespace
 
+std::string_view creature_name(CreatureWarps warps) {
+  switch (warps) {
+  case CreatureWarps::none: return "creature";
+  case CreatureWarps::twist: return "creature_twisted";
+  case CreatureWarps::bend: return "creature_bent";
+  }
+  return {};
+}
+
 std::string make_creature_scene(CreatureWarps warps) {
   std::mt19937_64 random(1);
   Fields skin{body(), head(), arm(-1), arm(1)};
   for (const Field& plate : plates()) skin.push_back(plate);
   Field hair = mane(random);
-  const bool is_twisted = warps == CreatureWarps::twist;
-  if (is_twisted) hair = twist(Vec3d(-0.2, 2.3, 0), 40, hair);
+  if (warps != CreatureWarps::none) hair = twist(Vec3d(-0.2, 2.3, 0), 40, hair);
   Field creature = unite({r_unite({blend(skin), hair, weeds(random)}), fin(), eyes()});
-  if (is_twisted) creature = twist(Vec3d(-0.1, 0.9, 0), 20, creature);
+  if (warps == CreatureWarps::twist) creature = twist(Vec3d(-0.1, 0.9, 0), 20, creature);
+  if (warps == CreatureWarps::bend) creature = bend(Vec3d(0, -0.6, 0), 3, 35, creature);
   return fmt::format(R"({{
 "kelpie": 1,
 "camera": {{ "position": [1.9, 1.5, 6.2], "look_at": [0.05, 0.84, 0], "fov": 38 }},

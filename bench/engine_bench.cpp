@@ -1,60 +1,28 @@
 // The engine's parts by themselves, one thread: evaluating the field, building cells, tracing rays.
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <random>
 
 #include <benchmark/benchmark.h>
-#include <fmt/format.h>
 #include <tbb/global_control.h>
-#include <unistd.h>
 
-#include "bench/creature_tree.h"
-#include "bench/knot_cloud.h"
+#include "bench/bench_scene.h"
 #include "renderer/integrate/camera_rays.h"
 #include "renderer/program/evaluate.h"
 #include "renderer/trace/tracer.h"
-#include "scene/reader.h"
 
 namespace kelpie {
 namespace {
 
 const tbb::global_control k_one_thread(tbb::global_control::max_allowed_parallelism, 1);
 
-/// What is measured: a cloud of so many blobs, or a creature.
+/// What is measured: the name of a scene (bench_scene.h).
 using Subject = std::string;
-
-FrameScene make_cloud(int count) {
-  Blobs<SampledMode> blobs;
-  blobs.cloud = std::make_shared<const BlobCloud>(make_knot_cloud(count));
-  SampledShape shape;
-  shape.name = "knot", shape.field.nodes.emplace_back(blobs);
-  FrameScene scene;
-  scene.shapes.push_back(std::move(shape));
-  scene.camera.position = Vec3(0.6f, 2.2f, 5.2f), scene.camera.look_at = Vec3(0);
-  return scene;
-}
-
-FrameScene make_creature(CreatureWarps warps) {
-  const auto path = std::filesystem::temp_directory_path() / fmt::format("kelpie-creature.{}.json", getpid());
-  std::ofstream(path) << make_creature_scene(warps);
-  Diagnostics diagnostics;
-  const Scene scene = read_scene(path, {}, diagnostics);
-  std::filesystem::remove(path);
-  return sample(scene, 1);
-}
-
-FrameScene make_scene(const Subject& subject) {
-  if (subject == "creature") return make_creature(CreatureWarps::none);
-  if (subject == "creature_twisted") return make_creature(CreatureWarps::twist);
-  return make_cloud(std::stoi(subject));
-}
 
 /// Scenes and tracers are made once: several benchmarks use each.
 const FrameScene& scene_of(const Subject& subject) {
   static std::map<Subject, FrameScene> scenes;
   const auto found = scenes.find(subject);
-  return found != scenes.end() ? found->second : scenes.emplace(subject, make_scene(subject)).first->second;
+  return found != scenes.end() ? found->second : scenes.emplace(subject, bench_scene(subject)).first->second;
 }
 const Tracer& tracer_of(const Subject& subject) {
   static std::map<Subject, Tracer> tracers;
@@ -75,7 +43,8 @@ FieldProgram program_of(const Subject& subject) {
 #define KELPIE_BENCHMARK_ALL(function)                                                                                                     \
   KELPIE_BENCHMARK_CLOUDS(function);                                                                                                       \
   BENCHMARK_CAPTURE(function, creature, "creature")->Unit(benchmark::kMillisecond);                                                        \
-  BENCHMARK_CAPTURE(function, creature_twisted, "creature_twisted")->Unit(benchmark::kMillisecond)
+  BENCHMARK_CAPTURE(function, creature_twisted, "creature_twisted")->Unit(benchmark::kMillisecond);                                        \
+  BENCHMARK_CAPTURE(function, creature_bent, "creature_bent")->Unit(benchmark::kMillisecond)
 
 std::vector<Point3<double>> random_points(int count) {
   std::mt19937_64 random(1);
