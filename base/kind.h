@@ -70,6 +70,7 @@ struct ParameterRules {
   bool is_nonzero = false;        ///< a direction: the zero vector has none
   bool is_number_for_all = false; ///< a vector that may be given as one number for all components
   std::string_view alternative{}; ///< the parameter that excludes this one
+  std::string_view example{};     ///< of a required file: a name in examples
 };
 
 /// One row of a kind's table. `T` is the member's type: Value<Mode, float|Vec3|Colour>, int, double, bool,
@@ -121,6 +122,11 @@ struct Parameter : ParameterRules {
   constexpr Parameter or_number_for_all() const {
     auto p = *this;
     p.is_number_for_all = true;
+    return p;
+  }
+  constexpr Parameter such_as(std::string_view file) const {
+    auto p = *this;
+    p.example = file;
     return p;
   }
   /// Excludes `other`, whose row says the same of this one.

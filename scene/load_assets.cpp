@@ -10,7 +10,8 @@ using CloudPtr = std::shared_ptr<const BlobCloud>;
 
 class AssetLoader {
 public:
-  AssetLoader(const Document& document, ProblemList& problems) : document_(document), problems_(problems) {}
+  AssetLoader(const Document& document, ProblemList& problems, Diagnostics& diagnostics)
+      : document_(document), problems_(problems), diagnostics_(diagnostics) {}
 
   void load(Blobs<AnimatedMode>& k, const JsonValue& source) { k.cloud = cloud(k.file, source, "file"); }
 
@@ -18,6 +19,16 @@ public:
     const CloudPtr from = cloud(k.from, source, "from"), to = cloud(k.to, source, "to");
     if (!from || !to) return;
     attempt(source, [&] { k.morph = std::make_shared<const LiquidMorph>(*from, *to, k.correspondence, k.volume); });
+  }
+
+  void load(TriangleMesh<AnimatedMode>& k, const JsonValue& source) {
+    if (k.file.resolved.empty()) return;
+    const auto [entry, is_new] = meshes_.try_emplace({k.file.resolved, k.crease});
+    std::shared_ptr<const SurfaceMesh>& loaded = entry->second;
+    if (is_new)
+      attempt(*source.find("file"),
+              [&] { loaded = std::make_shared<const SurfaceMesh>(load_surface_mesh(k.file.resolved, k.crease, diagnostics_)); });
+    k.mesh = loaded;
   }
 
   /// All other kinds hold nothing.
@@ -45,14 +56,23 @@ private:
 
   const Document& document_;
   ProblemList& problems_;
+  Diagnostics& diagnostics_;
   std::map<std::string, CloudPtr> clouds_;
+  std::map<std::pair<std::string, float>, std::shared_ptr<const SurfaceMesh>> meshes_; ///< by file and crease
 };
 
 } // namespace
 
-void load_assets(const std::vector<ReadNode>& nodes, const Document& document, ProblemList& problems) {
-  AssetLoader loader(document, problems);
+void load_assets(const std::vector<ReadNode>& nodes, Scene& scene, const Document& document, ProblemList& problems,
+                 Diagnostics& diagnostics) {
+  AssetLoader loader(document, problems, diagnostics);
   for (const ReadNode& n : nodes) std::visit([&](auto& kind) { loader.load(kind, *n.source); }, n.node->kind);
+  const JsonValue* shapes = document.root.find("shapes");
+  for (size_t i = 0; i < scene.shapes.size(); ++i) // as many as the document has, in its order
+    if (scene.shapes[i].geometry) {
+      const JsonValue& source = *(*shapes->array())[i].find("geometry");
+      std::visit([&](auto& kind) { loader.load(kind, source); }, *scene.shapes[i].geometry);
+    }
 }
 
 } // namespace kelpie

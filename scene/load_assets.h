@@ -1,12 +1,12 @@
-// Fills what field nodes hold in memory from the files they name.
+// Fills what a scene holds in memory from the files that it names.
 #pragma once
 
 #include "scene/record_reader.h"
 
 namespace kelpie {
 
-/// Loads the clouds of all nodes, each file once, and matches the ends of morphs. What is wrong goes to
-/// `problems`, at the place that names the file.
-void load_assets(const std::vector<ReadNode>&, const Document&, ProblemList& problems);
+/// Loads the clouds of all nodes and the meshes of all shapes, each file once, and matches the ends of morphs. What is
+/// wrong goes to `problems`, at the place that names the file or in the file; warnings to `diagnostics`.
+void load_assets(const std::vector<ReadNode>&, Scene&, const Document&, ProblemList& problems, Diagnostics& diagnostics);
 
 } // namespace kelpie

@@ -99,7 +99,7 @@ std::string type_text() {
 std::string_view unit_text(Unit);
 
 /// An object with what must be said: every required parameter at its default or, where it has none, at
-/// something plausible. Files are called `cloud.ply`.
+/// something plausible.
 template <Record T>
 std::string minimal_json(bool is_kind);
 
@@ -109,7 +109,7 @@ std::string plausible_json(const ParameterRules& rules, const T& value) {
   if constexpr (std::is_same_v<T, FieldPtr>)
     return minimal_json<typename std::variant_alternative_t<0, FieldKinds::Variant<AnimatedMode>>>(true);
   else if constexpr (std::is_same_v<T, AssetPath>)
-    return "\"cloud.ply\"";
+    return json_text(std::string(rules.example));
   else if constexpr (std::is_same_v<T, std::string>)
     return fmt::format("\"my {}\"", rules.name);
   else if constexpr (IsList<T>) {

@@ -7,7 +7,7 @@
 
 namespace kelpie {
 
-Scene read_scene(const std::string& path, const ReadOptions& options, Diagnostics&) {
+Scene read_scene(const std::string& path, const ReadOptions& options, Diagnostics& diagnostics) {
   ProblemList problems;
   Document document = read_document(path, problems);
   apply_overrides(document, options.set, problems);
@@ -18,7 +18,7 @@ Scene read_scene(const std::string& path, const ReadOptions& options, Diagnostic
   reader.read(scene, document.root, ParameterRules{"the scene", {}});
   check_names(document, problems);
   if (problems.is_empty()) check_scene(scene, document, problems);
-  load_assets(reader.nodes(), document, problems);
+  load_assets(reader.nodes(), scene, document, problems, diagnostics);
   problems.throw_if_any();
 
   // A picture is never black because nobody thought of light.

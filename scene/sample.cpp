@@ -23,6 +23,7 @@ Kind<SampledMode> sample_kind(const Kind<AnimatedMode>& animated, double frame) 
   // What was loaded from files is shared, not copied.
   if constexpr (requires { sampled.cloud; }) sampled.cloud = animated.cloud;
   if constexpr (requires { sampled.morph; }) sampled.morph = animated.morph;
+  if constexpr (requires { sampled.mesh; }) sampled.mesh = animated.mesh;
   return sampled;
 }
 

@@ -2,6 +2,8 @@
 // number of threads, the crop, or the way it was asked for.
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "renderer/output/exr.h"
 #include "tests/support/program.h"
 
@@ -95,7 +97,16 @@ TEST_F(Render, WhiteFurnace) {
 }
 
 TEST_F(Render, ThreadsDoNotShow) {
-  write("scene.json", k_mixture);
+  std::string scene = k_mixture; // and a mesh of many triangles that share edges
+  scene.insert(scene.rfind("] })"), R"(, { "name": "wave", "geometry": { "kind": "mesh", "file": "wave.obj", "crease": 180 } })");
+  write("scene.json", scene);
+  std::string obj;
+  for (int i = 0; i < 60; ++i)
+    for (int j = 0; j < 60; ++j)
+      obj += fmt::format("v {} {} {}\n", 0.1 * i - 3, 0.3 + 0.1 * std::sin(0.7 * i) * std::cos(0.5 * j), 0.1 * j - 3);
+  for (int i = 1; i < 59 * 60; ++i)
+    if (i % 60) obj += fmt::format("f {} {} {} {}\n", i, i + 1, i + 61, i + 60);
+  write("wave.obj", obj);
   for (const char* threads : {"1", "2", "4"}) {
     const Outcome o = kelpie(std::string("render scene.json -f 1-3x2 --progress=none -o 't") + threads + ".####.exr' -j " + threads);
     ASSERT_EQ(o.status, 0) << o.err;
@@ -144,6 +155,33 @@ TEST_F(Render, FramesThatExistAreKeptOnlyIfTheyAreOfThisScene) {
   EXPECT_EQ(std::filesystem::last_write_time(path("a.exr")), written);
   ASSERT_EQ(kelpie("render scene.json -f 1 -o a.exr --skip-existing --set film.spp=2").status, 0);
   EXPECT_NE(std::filesystem::last_write_time(path("a.exr")), written);
+}
+
+// What a mesh's file holds is part of the scene; what is wrong with it has a line.
+TEST_F(Render, MeshesAreAssetsLikeOthers) {
+  write("mesh.json", R"({ "kelpie": 1, "film": { "resolution": [8, 8], "spp": 1 }, "shapes": [ { "name": "m",
+    "geometry": { "kind": "mesh", "file": "m.obj" } } ] })");
+  EXPECT_EQ(kelpie("render mesh.json -f 1 -o a.exr").status, 66);
+  write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  ASSERT_EQ(kelpie("render mesh.json -f 1 -o a.exr").status, 0);
+  const auto written = std::filesystem::last_write_time(path("a.exr"));
+  ASSERT_EQ(kelpie("render mesh.json -f 1 -o a.exr --skip-existing").status, 0);
+  EXPECT_EQ(std::filesystem::last_write_time(path("a.exr")), written);
+  write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n");
+  ASSERT_EQ(kelpie("render mesh.json -f 1 -o a.exr --skip-existing").status, 0);
+  EXPECT_NE(std::filesystem::last_write_time(path("a.exr")), written);
+
+  write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
+  const Outcome damaged = kelpie("render mesh.json -f 1 -o b.exr");
+  EXPECT_EQ(damaged.status, 65);
+  EXPECT_NE(damaged.err.find("m.obj:4: there is no vertex 4: the file has 3"), std::string::npos) << damaged.err;
+  write("m.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  EXPECT_EQ(kelpie("render mesh.json -f 1 -o b.exr").status, 65) << "no area";
+  const Outcome outside = kelpie("render mesh.json -f 1 -o b.exr --allow-path . --set shapes.m.geometry.file=none.obj");
+  EXPECT_EQ(outside.status, 66);
+  write("mesh.json", R"({ "kelpie": 1, "shapes": [ { "name": "m", "geometry": { "kind": "mesh", "file": "/etc/hostname" } } ] })");
+  EXPECT_EQ(kelpie("render mesh.json -f 1 -o b.exr").status, 65);
+  EXPECT_FALSE(std::filesystem::exists(path("b.exr")));
 }
 
 TEST_F(Render, ProblemsAreOneLineWithPositionAndStatus) {

@@ -164,7 +164,7 @@ TEST(Reader, RefusesWhatIsNoScene) {
 
 TEST(Reader, ShowsNoControlCharacters) {
   EXPECT_EQ(SceneFolder().errors(R"({"kelpie":1,"shapes":[{"name":"a","geometry":{"kind":"plane\u001b[31m"}}]})"),
-            "scene.json:1:54: unknown kind of geometry \"plane?[31m\"; known: plane");
+            "scene.json:1:54: unknown kind of geometry \"plane?[31m\"; known: plane, mesh");
 }
 
 TEST(Assets, AreConfinedToTheScenesFolder) {

@@ -19,7 +19,7 @@ sign) in ASCII or binary; `kelpie fit` writes such files.)";
 
   static constexpr auto parameters() {
     return std::tuple{
-        parameter("file", &Blobs::file, "a PLY file with the vertex properties x y z radius weight").required(),
+        parameter("file", &Blobs::file, "a PLY file with the vertex properties x y z radius weight").required().such_as("cloud.ply"),
         parameter("falloff", &Blobs::falloff, "how the potentials decrease"),
     };
   }

@@ -49,10 +49,10 @@ void append_face(PolygonSoup& soup, const std::vector<uint32_t>& corners, int li
   if (line) soup.lines.push_back(line);
 }
 
-Mesh parse_mesh(std::string_view bytes, const std::string& path, Diagnostics& diagnostics) {
+void read_triangles(std::string_view bytes, const std::string& path, Diagnostics& diagnostics, std::vector<Vec3d>& positions,
+                    std::vector<Triangle>& triangles) {
   PolygonSoup soup = read_soup(bytes, path, diagnostics);
   if (soup.face_count() == 0) throw Error(ExitStatus::bad_data, "the mesh has no faces", {path, 0, 0});
-  std::vector<Triangle> triangles;
   std::vector<uint32_t> corners;
   for (size_t f = 0; f < soup.face_count(); ++f) {
     corners.assign(soup.corners.begin() + static_cast<std::ptrdiff_t>(soup.face_begin(f)),
@@ -61,7 +61,14 @@ Mesh parse_mesh(std::string_view bytes, const std::string& path, Diagnostics& di
     if (triangles.size() > k_most_faces)
       throw Error(ExitStatus::bad_data, fmt::format("more triangles than the limit of {}", k_most_faces), {path, 0, 0});
   }
-  return repair_mesh(std::move(soup.positions), std::move(triangles), path, diagnostics);
+  positions = std::move(soup.positions);
+}
+
+Mesh parse_mesh(std::string_view bytes, const std::string& path, Diagnostics& diagnostics) {
+  std::vector<Vec3d> positions;
+  std::vector<Triangle> triangles;
+  read_triangles(bytes, path, diagnostics, positions, triangles);
+  return repair_mesh(std::move(positions), std::move(triangles), path, diagnostics);
 }
 
 Mesh load_mesh(const std::string& path, Diagnostics& diagnostics) { return parse_mesh(read_file_bytes(path), path, diagnostics); }

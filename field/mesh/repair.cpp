@@ -28,7 +28,7 @@ public:
       : positions_(std::move(positions)), triangles_(std::move(triangles)), file_(file), diagnostics_(diagnostics) {}
 
   Mesh run() {
-    drop_unusable();
+    drop_unusable_triangles(positions_, triangles_, file_, diagnostics_);
     merge_equal_vertices();
     drop_degenerate();
     drop_duplicates();
@@ -58,28 +58,10 @@ private:
     return before - triangles_.size();
   }
 
-  void drop_unusable() {
-    const auto is_unusable = [&](const Vec3d& p) {
-      return !(std::abs(p.x) < k_farthest && std::abs(p.y) < k_farthest && std::abs(p.z) < k_farthest);
-    };
-    warn(
-        drop_if([&](const Triangle& t) { return std::any_of(t.begin(), t.end(), [&](uint32_t v) { return is_unusable(positions_[v]); }); }),
-        "triangles dropped for coordinates that are not finite or beyond 1e30: {}");
-    for (Vec3d& p : positions_)
-      if (is_unusable(p)) p = Vec3d(0);
-  }
-
   void merge_equal_vertices() {
-    std::vector<uint32_t> order(positions_.size()), kept(positions_.size());
-    std::iota(order.begin(), order.end(), 0u);
-    const auto key = [&](uint32_t i) { return std::tuple(positions_[i].x, positions_[i].y, positions_[i].z, i); };
-    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key(a) < key(b); });
+    const std::vector<uint32_t> kept = first_at_same_place(positions_);
     size_t merged = 0;
-    for (size_t i = 0; i < order.size(); ++i) {
-      const bool is_same = i > 0 && positions_[order[i]] == positions_[order[i - 1]];
-      kept[order[i]] = is_same ? kept[order[i - 1]] : order[i];
-      merged += is_same;
-    }
+    for (uint32_t i = 0; i < kept.size(); ++i) merged += kept[i] != i;
     const bool is_soup = positions_.size() == 3 * triangles_.size();
     for (Triangle& t : triangles_)
       for (uint32_t& v : t) v = kept[v];
@@ -187,6 +169,34 @@ private:
 };
 
 } // namespace
+
+void drop_unusable_triangles(std::vector<Vec3d>& positions, std::vector<Triangle>& triangles, const std::string& file,
+                             Diagnostics& diagnostics) {
+  const auto is_unusable = [](const Vec3d& p) {
+    return !(std::abs(p.x) < k_farthest && std::abs(p.y) < k_farthest && std::abs(p.z) < k_farthest);
+  };
+  const size_t before = triangles.size();
+  const auto has_unusable = [&](const Triangle& t) {
+    return std::any_of(t.begin(), t.end(), [&](uint32_t v) { return is_unusable(positions[v]); });
+  };
+  triangles.erase(std::remove_if(triangles.begin(), triangles.end(), has_unusable), triangles.end());
+  if (const size_t dropped = before - triangles.size())
+    diagnostics.warning({file, 0, 0}, fmt::format("triangles dropped for coordinates that are not finite or beyond 1e30: {}", dropped));
+  for (Vec3d& p : positions)
+    if (is_unusable(p)) p = Vec3d(0);
+}
+
+std::vector<uint32_t> first_at_same_place(const std::vector<Vec3d>& positions) {
+  std::vector<uint32_t> order(positions.size()), first(positions.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto key = [&](uint32_t i) { return std::tuple(positions[i].x, positions[i].y, positions[i].z, i); };
+  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key(a) < key(b); });
+  for (size_t i = 0; i < order.size(); ++i) {
+    const bool is_same = i > 0 && positions[order[i]] == positions[order[i - 1]];
+    first[order[i]] = is_same ? first[order[i - 1]] : order[i];
+  }
+  return first;
+}
 
 Mesh repair_mesh(std::vector<Vec3d> positions, std::vector<Triangle> triangles, const std::string& file, Diagnostics& diagnostics) {
   return Repair(std::move(positions), std::move(triangles), file, diagnostics).run();

@@ -15,4 +15,12 @@ namespace kelpie {
 /// Throws Error, bad_data, where no triangle is left.
 Mesh repair_mesh(std::vector<Vec3d> positions, std::vector<Triangle> triangles, const std::string& file, Diagnostics&);
 
+// Steps of it that are of use alone:
+
+/// Drops triangles with coordinates that are no usable numbers, with a warning, and sets those to 0.
+void drop_unusable_triangles(std::vector<Vec3d>& positions, std::vector<Triangle>& triangles, const std::string& file, Diagnostics&);
+
+/// For each position the index of the first that is equal.
+std::vector<uint32_t> first_at_same_place(const std::vector<Vec3d>& positions);
+
 } // namespace kelpie

@@ -29,8 +29,8 @@ methods.md section 1.)";
 
   static constexpr auto parameters() {
     return std::tuple{
-        parameter("from", &Liquid::from, "the cloud at progress 0: a PLY file as for `blobs`").required(),
-        parameter("to", &Liquid::to, "the cloud at progress 1").required(),
+        parameter("from", &Liquid::from, "the cloud at progress 0: a PLY file as for `blobs`").required().such_as("cloud.ply"),
+        parameter("to", &Liquid::to, "the cloud at progress 1").required().such_as("cloud.ply"),
         parameter("correspondence", &Liquid::correspondence,
                   "`transport`: the liquid moves as little as possible; `cellular`: nearest spheres, as in the paper"),
         parameter("volume", &Liquid::volume, "`linear`: the potential is scaled so that the volume changes linearly; `free`: as it comes"),

@@ -1,5 +1,5 @@
-// The cells of all shapes as Embree user geometry: one geometry a shape, one primitive a cell. The only
-// file that knows Embree is the one behind this header.
+// The cells of all shapes as Embree user geometry: one geometry a shape, one primitive a cell. Only this folder knows
+// Embree.
 #pragma once
 
 #include <memory>

@@ -8,7 +8,7 @@ namespace {
 
 std::vector<ShapeCells> build_all(const FrameScene& frame, const CellLimits& limits) {
   std::vector<ShapeCells> all;
-  for (const SampledShape& shape : frame.shapes) // a plane has no cells
+  for (const SampledShape& shape : frame.shapes) // geometry has no cells
     all.push_back(shape.field.nodes.empty() ? ShapeCells{} : build_cells(compile(shape.field, shape.threshold), limits));
   return all;
 }
@@ -21,7 +21,7 @@ float rounding_at(const Vec3& p, float t) { return 5e-7f * (std::max({std::abs(p
 Ray depart(const Ray& arrived, const Hit& hit, const Vec3& direction, Side side) {
   const Vec3 back = glm::dot(hit.normal, arrived.direction) > 0 ? -hit.normal : hit.normal;
   Ray ray;
-  ray.origin = hit.position + (side == Side::near ? hit.epsilon : -hit.epsilon) * back;
+  ray.origin = side == Side::near ? hit.position + hit.lift + hit.epsilon * back : hit.position - hit.epsilon * back;
   ray.direction = direction;
   ray.inside = arrived.inside;
   if (side == Side::near) return ray;
@@ -35,22 +35,24 @@ Ray depart(const Ray& arrived, const Hit& hit, const Vec3& direction, Side side)
 Tracer::Tracer(const FrameScene& frame, const CellLimits& limits) : cells_(build_all(frame, limits)) {
   for (uint32_t i = 0; i < frame.shapes.size(); ++i) {
     const SampledShape& shape = frame.shapes[i];
-    if (shape.geometry) {
-      const auto& plane = std::get<Plane<SampledMode>>(*shape.geometry);
-      planes_.push_back({plane.position, glm::normalize(plane.normal), i});
-    }
+    if (!shape.geometry) continue;
+    if (const auto* plane = std::get_if<Plane<SampledMode>>(&*shape.geometry))
+      planes_.push_back({plane->position, glm::normalize(plane->normal), i});
+    else
+      meshes_.add(i, std::get<TriangleMesh<SampledMode>>(*shape.geometry));
   }
+  meshes_.commit();
   for (const ShapeCells& s : cells_.shapes())
     for (const Cell& cell : s.cells) bounds_.extend(cell.box);
 }
 
 bool Tracer::intersect(const Ray& ray, SolveCounters& counters, Hit& hit) const {
   hit.t = ray.t_far;
-  const bool on_plane = meet_planes(ray, hit);
+  const bool on_geometry = meet_geometry(ray, hit);
   Ray shortened = ray;
   shortened.t_far = hit.t;
   CellHit cell_hit;
-  if (!cells_.intersect(shortened, counters, cell_hit)) return on_plane;
+  if (!cells_.intersect(shortened, counters, cell_hit)) return on_geometry;
   complete(ray, cell_hit, hit);
   return true;
 }
@@ -58,7 +60,7 @@ bool Tracer::intersect(const Ray& ray, SolveCounters& counters, Hit& hit) const 
 bool Tracer::occluded(const Ray& ray, SolveCounters& counters) const {
   Hit hit;
   hit.t = ray.t_far;
-  return meet_planes(ray, hit) || cells_.occluded(ray, counters);
+  return meet_planes(ray, hit) || meshes_.occluded(ray) || cells_.occluded(ray, counters);
 }
 
 uint32_t Tracer::intersect(std::span<const Ray> rays, SolveCounters& counters, Hit* hits) const {
@@ -67,7 +69,7 @@ uint32_t Tracer::intersect(std::span<const Ray> rays, SolveCounters& counters, H
   uint32_t found = 0;
   for (size_t i = 0; i < rays.size(); ++i) {
     hits[i].t = rays[i].t_far;
-    found |= uint32_t(meet_planes(rays[i], hits[i])) << i;
+    found |= uint32_t(meet_geometry(rays[i], hits[i])) << i;
     shortened[i] = rays[i];
     shortened[i].t_far = hits[i].t;
   }
@@ -82,9 +84,23 @@ uint32_t Tracer::occluded(std::span<const Ray> rays, SolveCounters& counters) co
   for (size_t i = 0; i < rays.size(); ++i) {
     Hit hit;
     hit.t = rays[i].t_far;
-    found |= uint32_t(meet_planes(rays[i], hit)) << i;
+    found |= uint32_t(meet_planes(rays[i], hit) || meshes_.occluded(rays[i])) << i;
   }
   return found | cells_.occluded(rays, counters);
+}
+
+/// What is not a field; one by one, as Embree's answers about triangles may differ with the rays of a packet.
+bool Tracer::meet_geometry(const Ray& ray, Hit& hit) const {
+  const bool on_plane = meet_planes(ray, hit);
+  if (meshes_.is_empty()) return on_plane;
+  Ray shortened = ray;
+  shortened.t_far = hit.t;
+  MeshHit on_mesh;
+  if (!meshes_.intersect(shortened, on_mesh)) return on_plane;
+  hit.t = on_mesh.t, hit.shape = on_mesh.shape, hit.position = on_mesh.position, hit.normal = on_mesh.normal;
+  hit.is_leaving = on_mesh.is_leaving, hit.lift = on_mesh.lift;
+  hit.epsilon = on_mesh.epsilon + rounding_at(hit.position, hit.t);
+  return true;
 }
 
 bool Tracer::meet_planes(const Ray& ray, Hit& hit) const {
@@ -94,7 +110,7 @@ bool Tracer::meet_planes(const Ray& ray, Hit& hit) const {
     const float t = glm::dot(plane.position - ray.origin, plane.normal) / across;
     if (!(t > ray.t_near && t < hit.t)) continue; // false for the NaN of a ray in the plane, too
     found = true;
-    hit.t = t, hit.shape = plane.shape, hit.normal = plane.normal, hit.is_leaving = across > 0;
+    hit.t = t, hit.shape = plane.shape, hit.normal = plane.normal, hit.is_leaving = across > 0, hit.lift = Vec3(0);
     hit.position = ray.origin + t * ray.direction;
     hit.position -= glm::dot(hit.position - plane.position, plane.normal) * plane.normal;
     hit.epsilon = 1e-5f + rounding_at(hit.position, t);
@@ -108,6 +124,7 @@ void Tracer::complete(const Ray& ray, const CellHit& cell_hit, Hit& hit) const {
   hit.t = cell_hit.t;
   hit.shape = cell_hit.shape;
   hit.is_leaving = ray.inside.contains(hit.shape);
+  hit.lift = Vec3(0);
   hit.position = ray.origin + hit.t * ray.direction;
   const Vec3 g = cell_gradient(shape, cell, hit.position);
   const float length = glm::length(g);

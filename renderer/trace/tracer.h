@@ -2,6 +2,7 @@
 #pragma once
 
 #include "renderer/cells/cell_scene.h"
+#include "renderer/cells/mesh_scene.h"
 #include "scene/scene.h"
 
 namespace kelpie {
@@ -9,11 +10,15 @@ namespace kelpie {
 struct Hit {
   float t = 0;
   Vec3 position{0};
-  Vec3 normal{0};     ///< unit, geometric, out of the shape (for a plane: its upper side)
+  Vec3 normal{0};     ///< unit, out of the shape (for a plane: its upper side); smooth on a mesh. It faces the ray
+                      ///< where the surface does
   uint32_t shape = 0; ///< index into FrameScene::shapes
   float epsilon = 0;  ///< offset of secondary rays along the normal, on the side where they start
   /// The ray comes out of the shape here; else it goes in. (What is below a plane is inside it.)
   bool is_leaving = false;
+  /// From the position to where rays on the near side start, but for the offset: the facets of a smooth mesh lie
+  /// below the surface that they stand for, and would shadow one another.
+  Vec3 lift{0};
 };
 
 /// The sides of a surface, as the ray has it that met it: where it came from, and where it would go.
@@ -42,7 +47,7 @@ public:
   const Box3& bounds() const { return bounds_; }
   size_t cell_count() const;
   size_t element_count() const;
-  size_t bytes() const { return cells_.bytes(); }
+  size_t bytes() const { return cells_.bytes() + meshes_.bytes(); }
 
 private:
   /// An infinite plane and the shape that it is.
@@ -51,11 +56,13 @@ private:
     uint32_t shape;
   };
 
+  bool meet_geometry(const Ray&, Hit&) const;
   bool meet_planes(const Ray&, Hit&) const;
   void complete(const Ray&, const CellHit&, Hit&) const;
 
   CellScene cells_; ///< one entry a shape of the frame
   std::vector<PlaneShape> planes_;
+  MeshScene meshes_;
   Box3 bounds_;
 };
 

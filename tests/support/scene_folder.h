@@ -18,6 +18,7 @@ public:
     path_ = std::filesystem::canonical(pattern);
     write("cloud.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
                        "property float radius\nproperty float weight\nend_header\n0 1 0 2 1.5\n");
+    write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   }
   ~SceneFolder() { std::filesystem::remove_all(path_); }
   SceneFolder(const SceneFolder&) = delete;
