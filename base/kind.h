@@ -142,11 +142,26 @@ constexpr Parameter<Owner, T> parameter(std::string_view name, T Owner::*member,
   return {name, member, doc};
 }
 
+/// Whether two kinds at one moment have the same parameters, and the same of what was loaded from files.
+template <class Kind>
+bool is_equal(const Kind& a, const Kind& b) {
+  bool equal = true;
+  const auto one = [&](const auto& row) {
+    if constexpr (requires { a.*(row.member) == b.*(row.member); }) equal = equal && a.*(row.member) == b.*(row.member);
+  };
+  std::apply([&](const auto&... rows) { (one(rows), ...); }, Kind::parameters());
+  if constexpr (requires { a.cloud; }) equal = equal && a.cloud == b.cloud;
+  if constexpr (requires { a.morph; }) equal = equal && a.morph == b.morph;
+  if constexpr (requires { a.mesh; }) equal = equal && a.mesh == b.mesh;
+  return equal;
+}
+
 /// A file that the scene names. `path` is as written; `resolved` is filled by the reader.
 struct AssetPath {
   std::string path;
   std::string resolved;
   bool is_set() const { return !path.empty(); }
+  friend bool operator==(const AssetPath&, const AssetPath&) = default;
 };
 
 /// Specialise for every enumeration that scene files may name:

@@ -27,7 +27,7 @@ void check(const std::string& path, const RenderOptions& options) {
   EnvironmentCache environments;
   const std::atomic<bool> stop{false};
   const std::function<void(double)> silent = [](double) {};
-  const Forecast f = forecast(scene, frames, window, {environments, diagnostics, silent, stop});
+  const Forecast f = forecast(scene, frames, window, {environments, diagnostics, silent, stop, options.max_memory, nullptr});
   print_warnings(diagnostics);
   std::string report = fmt::format("{}: good\n", path);
   report += fmt::format("picture   {} frame{}, {}x{}, {} samples per pixel, {} bounces\n", frames.size(), frames.size() == 1 ? "" : "s",
@@ -36,7 +36,8 @@ void check(const std::string& path, const RenderOptions& options) {
   report +=
       fmt::format("time      about {:.3g} s a frame on {} thread{} ({:.3g} s of CPU); {} in all\n", f.wall_s_per_frame, threads,
                   threads == 1 ? "" : "s", f.cpu_s_per_frame, format_duration(f.wall_s_per_frame * static_cast<double>(frames.size())));
-  report += fmt::format("memory    about {:.0f} MB\n", f.memory_mb);
+  report += fmt::format("memory    about {:.0f} MB, of it {:.3g} MB for what is built of a frame\n", f.memory_mb, f.engine_mb);
+  if (f.coarsenings > 0) report += fmt::format("          with cells {} times as long, to fit into --max-memory\n", 1 << f.coarsenings);
   print_result(report);
 }
 

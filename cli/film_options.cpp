@@ -66,6 +66,12 @@ void add_film_options(CLI::App& command, RenderOptions& o) {
   command.add_option("--set", o.set, "change a value of the scene: shapes.drop.threshold=1.1 (may be repeated)")->allow_extra_args(false);
   command.add_option("--allow-path", o.allow_paths, "a folder outside the scene's own that its files may lie in (may be repeated)")
       ->allow_extra_args(false);
+  command
+      .add_option("--max-memory", o.max_memory,
+                  "what is built of a frame may take so much, 500M or 8G: beyond it cells become coarser and rays slower [no cap]")
+      ->transform(CLI::AsSizeValue(false))
+      ->check(CLI::PositiveNumber)
+      ->option_text("SIZE");
   command.add_option("--ocio", o.ocio, "an OpenColorIO config [$OCIO, else kelpie's own]");
 }
 

@@ -42,8 +42,10 @@ std::vector<int> frames_to_render(const Scene& scene, const std::optional<std::s
 /// Frames of the scene, written one by one.
 class SequenceRenderer {
 public:
-  SequenceRenderer(Scene scene, const FramePattern& pattern, const PixelBox& window, std::string hash, Progress& progress)
-      : scene_(std::move(scene)), pattern_(pattern), window_(window), hash_(std::move(hash)), progress_(progress) {}
+  SequenceRenderer(Scene scene, const FramePattern& pattern, const PixelBox& window, std::string hash, size_t max_memory,
+                   Progress& progress)
+      : scene_(std::move(scene)), pattern_(pattern), window_(window), hash_(std::move(hash)), max_memory_(max_memory), progress_(progress) {
+  }
 
   void render(int frame, bool skip_existing) {
     const std::string path = pattern_.path(frame);
@@ -60,7 +62,7 @@ public:
       }
       progress_.advance(finished_ + std::min(1.0, before + tile) * 0.999);
     };
-    RenderedFrame rendered = render_frame(scene_, frame, window_, {environments_, diagnostics, progress, g_stop});
+    RenderedFrame rendered = render_frame(scene_, frame, window_, {environments_, diagnostics, progress, g_stop, max_memory_, &kept_});
     if (rendered.was_stopped) throw Interrupted{g_signal};
     write(rendered, frame, path, key, diagnostics);
     for (const Problem& p : diagnostics.warnings()) progress_.print_line("warning: " + to_string(p));
@@ -86,8 +88,10 @@ private:
   const FramePattern& pattern_;
   PixelBox window_;
   std::string hash_;
+  size_t max_memory_;
   Progress& progress_;
   EnvironmentCache environments_;
+  KeptScenes kept_;
   int finished_ = 0;
   std::vector<FrameReport> reports_;
 };
@@ -125,7 +129,7 @@ void render_scene(const std::string& scene_path, const std::string& name, const 
 
   const std::string hash = picture_hash(scene, window);
   Progress progress(options.progress, static_cast<double>(frames.size()), "frames");
-  SequenceRenderer sequence(std::move(scene), pattern, window, hash, progress);
+  SequenceRenderer sequence(std::move(scene), pattern, window, hash, options.max_memory, progress);
   for (const int frame : frames) {
     if (g_stop) throw Interrupted{g_signal};
     sequence.render(frame, options.skip_existing);

@@ -23,7 +23,8 @@ struct RenderOptions {
   bool heatmap = false; ///< add the channel `cost`
   std::string stats;    ///< a JSON file, or empty
   ProgressMode progress = ProgressMode::automatic;
-  std::string ocio; ///< an OCIO config, or empty
+  uint64_t max_memory = 0; ///< what building a frame may take, bytes; 0: no cap
+  std::string ocio;        ///< an OCIO config, or empty
   std::vector<std::string> set, allow_paths;
 };
 

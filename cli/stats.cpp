@@ -28,12 +28,13 @@ void write_render_stats(const std::string& path, unsigned threads, const std::ve
     const SolverWork total = f.rays.solve.total();
     text += fmt::format(
         "{}    {{\"frame\": {}, \"wall_s\": {:.4f}, \"build_cpu_s\": {:.4f}, \"render_cpu_s\": {:.4f}, \"output_cpu_s\": {:.4f},\n"
-        "     \"rays\": {{\"camera\": {}, \"shadow\": {}, \"scatter\": {}}}, \"cells\": {}, \"elements\": {}, \"cells_solved\": {}, "
+        "     \"rays\": {{\"camera\": {}, \"shadow\": {}, \"scatter\": {}}}, \"cells\": {}, \"kept_cells\": {}, \"coarsenings\": {}, "
+        "\"elements\": {}, \"cells_solved\": {}, "
         "\"evaluations\": {},\n     \"solvers\": {{{}}},\n"
         "     \"nonfinite\": {}, \"engine_mb\": {:.1f}, \"peak_rss_mb\": {:.1f}}}",
         separator, f.frame, f.wall_s, f.build_cpu_s, f.render_cpu_s, r.output_cpu_s, f.rays.camera, f.rays.shadow, f.rays.scatter, f.cells,
-        f.elements, total.cells, total.evaluations, solvers_text(f.rays.solve), f.nonfinite, static_cast<double>(f.engine_bytes) / 1e6,
-        r.peak_rss_mb);
+        f.kept_cells, f.coarsenings, f.elements, total.cells, total.evaluations, solvers_text(f.rays.solve), f.nonfinite,
+        static_cast<double>(f.engine_bytes) / 1e6, r.peak_rss_mb);
     separator = ",\n";
   }
   text += "\n  ]\n}\n";

@@ -63,6 +63,8 @@ Forecast forecast(const Scene& scene, const std::vector<int>& frames, const Pixe
     out.wall_s_per_frame += ((rendered.stats.build_cpu_s + render_cpu_s) / threads + output_cpu_s) / static_cast<double>(tried.size());
     out.elements = std::max(out.elements, rendered.stats.elements);
     out.cells = std::max(out.cells, rendered.stats.cells);
+    out.engine_mb = std::max(out.engine_mb, static_cast<double>(rendered.stats.engine_bytes) / 1e6);
+    out.coarsenings = std::max(out.coarsenings, rendered.stats.coarsenings);
     channels = static_cast<double>(rendered.image.channels.size());
   }
   // The film in float; encoding, checking and the file's bytes hold about twice as much again.

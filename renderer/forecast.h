@@ -10,6 +10,8 @@ struct Forecast {
   double cpu_s_per_frame = 0;     ///< the mean of them, all threads: building, rendering, output
   double wall_s_per_frame = 0;    ///< on as many threads as the current arena has
   double memory_mb = 0;           ///< peak
+  double engine_mb = 0;           ///< of it: what building takes, the most of the frames
+  int coarsenings = 0;            ///< see FrameStats; the most of the frames
 };
 
 /// Tries the first, the middle and the last of `frames`: builds each as it is and renders it small.

@@ -12,6 +12,8 @@ struct FrameStats {
   RayCounters rays;
   uint64_t nonfinite = 0;
   size_t cells = 0, elements = 0, engine_bytes = 0;
+  size_t kept_cells = 0; ///< of `cells`: as the last frame left them
+  int coarsenings = 0;   ///< how often cells were made twice as long, to fit into the memory
 };
 
 struct RenderedFrame {
@@ -27,9 +29,12 @@ struct FrameContext {
   Diagnostics& diagnostics;       ///< receives warnings
   const std::function<void(double)>& progress;
   const std::atomic<bool>& stop;
+  size_t max_memory = 0;      ///< what building may take, bytes; 0: as much as it takes
+  KeptScenes* kept = nullptr; ///< kept from frame to frame
 };
 
-/// Renders the pixels of `window` of one frame in the current TBB arena.
+/// Renders the pixels of `window` of one frame in the current TBB arena. Throws Error out_of_memory where even the coarsest
+/// cells take more than context.max_memory.
 RenderedFrame render_frame(const Scene& scene, double frame, const PixelBox& window, const FrameContext& context);
 
 /// CPU seconds of all threads of this process so far.

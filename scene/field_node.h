@@ -20,4 +20,7 @@ struct SampledField {
   std::vector<FieldKinds::Variant<SampledMode>> nodes;
 };
 
+/// Whether two fields are the same throughout.
+bool is_equal(const SampledField&, const SampledField&);
+
 } // namespace kelpie

@@ -52,6 +52,12 @@ typename List::template Variant<SampledMode> sample_variant(const typename List:
 
 } // namespace
 
+bool is_equal(const SampledField& a, const SampledField& b) {
+  return std::equal(a.nodes.begin(), a.nodes.end(), b.nodes.begin(), b.nodes.end(), [](const auto& x, const auto& y) {
+    return x.index() == y.index() && std::visit([&]<class Kind>(const Kind& kind) { return is_equal(kind, std::get<Kind>(y)); }, x);
+  });
+}
+
 FrameScene sample(const Scene& scene, double frame) {
   FrameScene out;
   out.frame = frame;

@@ -96,6 +96,39 @@ TEST(Cells, PrunedEqualsFullInTrees) {
   }
 }
 
+// Cells of any size are the field; larger ones take less memory.
+TEST(Cells, CoarserCellsTakeLess) {
+  for (const BlobCloud& cloud : {coincident_cloud(Falloff::quartic), thin_cloud(Falloff::quartic), negative_cloud(Falloff::quartic)}) {
+    CellLimits limits;
+    const size_t finest = build_cells(compile(field_of(cloud), 1), limits).bytes();
+    size_t before = finest;
+    int steps = 0;
+    while (make_coarser(limits)) {
+      ++steps;
+      const size_t now = build_cells(compile(field_of(cloud), 1), limits).bytes();
+      EXPECT_LE(now, before);
+      before = now;
+      expect_pruned_equals_full(field_of(cloud), 1, limits);
+    }
+    EXPECT_EQ(steps, 3);
+    EXPECT_LT(before, 0.75 * double(finest));
+  }
+}
+
+TEST(Cells, TakeWhatTheyAreFromTheBudget) {
+  const auto build = [](MemoryBudget& budget) {
+    CellLimits limits;
+    limits.budget = &budget;
+    return build_cells(compile(field_of(thin_cloud(Falloff::quartic)), 1), limits);
+  };
+  MemoryBudget ample(size_t(1) << 40);
+  const ShapeCells shape = build(ample);
+  const size_t needed = shape.bytes() + shape.cells.size() * k_tree_bytes_per_cell;
+  MemoryBudget enough(needed), too_little(needed - 1);
+  EXPECT_EQ(build(enough).cells.size(), shape.cells.size());
+  EXPECT_THROW(build(too_little), MemoryBudget::Exceeded);
+}
+
 // Wherever the field crosses the threshold there is a cell: points close together, one on either side.
 TEST(Cells, HoldTheWholeSurface) {
   for (unsigned trial = 0; trial < 60; ++trial) {

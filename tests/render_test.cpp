@@ -1,5 +1,6 @@
 // `kelpie render` from end to end: pictures whose every pixel is known, and the same picture whatever the
 // number of threads, the crop, or the way it was asked for.
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -98,7 +99,7 @@ TEST_F(Render, WhiteFurnace) {
 
 TEST_F(Render, ThreadsDoNotShow) {
   std::string scene = k_mixture; // and a mesh of many triangles that share edges
-  scene.insert(scene.rfind("] })"), R"(, { "name": "wave", "geometry": { "kind": "mesh", "file": "wave.obj", "crease": 180 } })");
+  scene.insert(scene.rfind("] }"), R"(, { "name": "wave", "geometry": { "kind": "mesh", "file": "wave.obj", "crease": 180 } })");
   write("scene.json", scene);
   std::string obj;
   for (int i = 0; i < 60; ++i)
@@ -145,6 +146,79 @@ TEST_F(Render, TheHeatMapIsDeterministicAndChangesNothingElse) {
   EXPECT_GT(sum, 1000);
   for (int y = 7; y < 23; ++y)
     for (int x = 11; x < 40; ++x) ASSERT_EQ(value(part, "cost", x, y), value(whole, "cost", x, y)) << x << ' ' << y;
+}
+
+/// A cloud of many small blobs, and what moves beside it.
+std::string scene_of_many() {
+  std::string points;
+  for (int i = 0; i < 600; ++i)
+    points += fmt::format("{}{{ \"kind\": \"point\", \"centre\": [{}, {}, {}], \"radius\": 0.25, \"weight\": 1.5 }}", i ? "," : "",
+                          std::sin(0.7 * i), std::sin(1.3 * i), std::sin(2.1 * i + 1));
+  return fmt::format(
+      R"({{ "kelpie": 1, "frames": {{ "first": 1, "last": 3 }}, "camera": {{ "position": {{ "keys": [[1, [0, 0, 5]], [2, [0, 1, 5]]] }} }},
+    "film": {{ "resolution": [40, 30], "spp": 2, "bounces": 1 }}, "shapes": [
+    {{ "name": "still", "field": {{ "kind": "blend", "children": [ {} ] }} }},
+    {{ "name": "mesh", "geometry": {{ "kind": "mesh", "file": "mesh.obj", "position": {{ "keys": [[2, [0, 0, 0]], [3, [1, 0, 0]]] }} }} }},
+    {{ "name": "moving", "field": {{ "kind": "point", "centre": {{ "keys": [[2, [0, 1, 0]], [3, [0, 1.5, 0]]] }}, "radius": 1, "weight": 2 }} }} ] }})",
+      points);
+}
+
+// Frame 2 moves the camera only, frame 3 a shape and a mesh: what stays is kept, and no bit of a picture shows it.
+TEST_F(Render, ASequenceKeepsWhatStandsStill) {
+  write("scene.json", scene_of_many());
+  write("mesh.obj", "v -2 -1 0\nv 2 -1 0\nv 0 2 -1\nf 1 2 3\n");
+  ASSERT_EQ(kelpie("render scene.json -o 's.####.exr' --stats s.json").status, 0);
+  for (const std::string frame : {"1", "2", "3"}) {
+    ASSERT_EQ(kelpie("render scene.json -f " + frame + " -o 'lone.####.exr'").status, 0);
+    EXPECT_TRUE(text_of(path("s.000" + frame + ".exr")) == text_of(path("lone.000" + frame + ".exr"))) << frame;
+  }
+  std::vector<int> cells, kept;
+  const std::string stats = text_of(path("s.json"));
+  for (size_t at = 0; (at = stats.find("\"cells\": ", at)) != std::string::npos; ++at) {
+    if (stats[at - 1] == '{') continue; // of a solver
+    cells.push_back(std::stoi(stats.substr(at + 9)));
+    kept.push_back(std::stoi(stats.substr(stats.find("\"kept_cells\": ", at) + 14)));
+  }
+  ASSERT_EQ(cells.size(), 3u) << stats;
+  EXPECT_EQ(kept[0], 0);
+  EXPECT_EQ(kept[1], cells[1]);
+  EXPECT_GT(kept[2], 0);
+  EXPECT_LT(kept[2], cells[2]);
+}
+
+// Less memory, coarser cells, the same picture but for rounding; and where nothing helps, one line and status 33.
+TEST_F(Render, MemoryMayBeCapped) {
+  const std::string scene = scene_of_many();
+  write("mesh.obj", "v -2 -1 0\nv 2 -1 0\nv 0 2 -1\nf 1 2 3\n");
+  const FrameImage whole = render(scene, "--stats s.json");
+  int coarsest = 0;
+  for (int kb = 1024; kb >= 1; kb /= 2) {
+    const Outcome o = kelpie(fmt::format("render scene.json -f 1 --progress=none -o b.exr --max-memory {}K --stats s.json", kb));
+    if (o.status == 0) {
+      const std::string stats = text_of(path("s.json"));
+      const int coarsenings = std::stoi(stats.substr(stats.find("\"coarsenings\": ") + 15));
+      EXPECT_GE(coarsenings, coarsest);
+      EXPECT_EQ(o.err.find("cells are") != std::string::npos, coarsenings > 0) << o.err;
+      coarsest = coarsenings;
+      const FrameImage image = read_exr(path("b.exr")).image;
+      size_t differing = 0;
+      for (size_t i = 0; i < image.data_window.area(); ++i)
+        differing += std::abs(image.find("Z")->pixels[i] - whole.find("Z")->pixels[i]) > 1e-4f;
+      EXPECT_LE(differing, 2u) << "but for rays that graze";
+      continue;
+    }
+    EXPECT_EQ(o.status, 33);
+    EXPECT_EQ(o.err.find("error: frame 1: even with the coarsest cells building takes more than"), 0u) << o.err;
+    EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1);
+    EXPECT_GT(coarsest, 0);
+    EXPECT_EQ(kelpie(fmt::format("check scene.json -f 1 --max-memory {}K", kb)).status, 33);
+    const Outcome check = kelpie(fmt::format("check scene.json -f 1 --max-memory {}K", 2 * kb));
+    EXPECT_NE(check.out.find("times as long, to fit into --max-memory"), std::string::npos) << check.out;
+    for (const char* wrong : {"0", "much", "-5M"})
+      EXPECT_EQ(kelpie(std::string("render scene.json -f 1 -o c.exr --max-memory ") + wrong).status, 2);
+    return;
+  }
+  FAIL() << "it fits into nothing";
 }
 
 TEST_F(Render, FramesThatExistAreKeptOnlyIfTheyAreOfThisScene) {

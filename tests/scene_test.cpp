@@ -285,11 +285,23 @@ TEST(Reader, IsNeverDark) {
   }
 }
 
+TEST(Reader, ReadsEveryExample) {
+  int examples = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(KELPIE_EXAMPLES)) {
+    if (entry.path().extension() != ".json") continue;
+    ++examples;
+    Diagnostics diagnostics;
+    sample(read_scene(entry.path().string(), {}, diagnostics), 1);
+    EXPECT_TRUE(diagnostics.warnings().empty()) << entry.path();
+  }
+  EXPECT_GT(examples, 3);
+}
+
 // The examples are read as they are; every byte of them that is damaged yields an error or a scene,
 // never anything else.
 TEST(Reader, SurvivesDamagedText) {
   const SceneFolder folder;
-  for (const char* name : {"blob.json", "boolean.json"}) {
+  for (const char* name : {"blob.json", "boolean.json", "creature.json"}) {
     std::ifstream file(std::string(KELPIE_EXAMPLES) + "/" + name, std::ios::binary);
     const std::string text((std::istreambuf_iterator<char>(file)), {});
     ASSERT_EQ(folder.errors(text), "") << name;

@@ -43,6 +43,18 @@ TEST(Tracer, TinyBlobsInLongCells) {
   EXPECT_GT(tally.hits, k_rays / 10);
 }
 
+TEST(Tracer, TheCoarsestCells) {
+  CellLimits coarsest;
+  while (make_coarser(coarsest)) {
+  }
+  for (const BlobCloud& cloud : {coincident_cloud(Falloff::quartic), thin_cloud(Falloff::quartic), negative_cloud(Falloff::wyvill)}) {
+    const Tally tally = judge_rays(field_of(cloud), 1, 3000, coarsest);
+    EXPECT_EQ(tally.missed, 0);
+    EXPECT_EQ(tally.false_hits, 0);
+    EXPECT_GT(tally.hits, 300);
+  }
+}
+
 TEST(Tracer, OtherFalloffsAndMixtures) {
   BlobCloud mixture;
   for (const Falloff f : {Falloff::cubic, Falloff::wyvill}) {

@@ -1,5 +1,6 @@
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <tbb/parallel_for.h>
 
@@ -67,7 +68,7 @@ private:
     size_t cells = 0, data = 0; // growing step by step would copy what is large
     for (const ShapeCells& part : parts) cells += part.cells.size(), data += part.leaf_data.size();
     out.cells.reserve(out.cells.size() + cells), out.leaf_data.reserve(out.leaf_data.size() + data);
-    for (size_t i = 0; i < count; ++i) append(parts[i], out);
+    for (size_t i = 0; i < count; ++i) append(std::exchange(parts[i], {}), out); // gone at once: not everything is there twice
   }
 
   /// In the order of the children, whatever thread was first.
@@ -91,6 +92,7 @@ private:
   }
 
   void add_cell(const Box3d& box, const Code& code, double radius, ShapeCells& out) const {
+    const size_t before = out.bytes();
     Cell cell;
     cell.box = {Vec3(box.lower), Vec3(box.upper)};
     cell.epsilon = static_cast<float>(1e-3 * radius);
@@ -100,6 +102,7 @@ private:
     else if (!add_tree(code, cell, out))
       add_code(code, cell, out);
     out.cells.push_back(cell);
+    if (limits_.budget) limits_.budget->take(out.bytes() - before + k_tree_bytes_per_cell);
   }
 
   void add_blobs(const std::vector<uint32_t>& list, Cell& cell, ShapeCells& out) const {
@@ -192,6 +195,12 @@ private:
 };
 
 } // namespace
+
+bool make_coarser(CellLimits& limits) {
+  if (limits.side_in_radii >= limits.sparse_side) return false;
+  limits.side_in_radii *= 2, limits.elements *= 2;
+  return true;
+}
 
 ShapeCells build_cells(FieldProgram program, const CellLimits& limits) {
   ShapeCells out;

@@ -19,7 +19,7 @@ void flush_denormals_in_this_thread() {
 }
 
 struct CellScene::State {
-  std::vector<ShapeCells> shapes;
+  std::vector<std::shared_ptr<const ShapeCells>> shapes;
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   std::atomic<ssize_t> embree_bytes{0};
@@ -171,11 +171,11 @@ Query packet_query(std::span<const Ray> rays, SolveCounters& counters) {
   return query;
 }
 
-void attach(RTCDevice device, RTCScene scene, ShapeCells& shape, unsigned index) {
+void attach(RTCDevice device, RTCScene scene, const ShapeCells& shape, unsigned index) {
   if (shape.cells.empty()) return;
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(shape.cells.size()));
-  rtcSetGeometryUserData(geometry, &shape);
+  rtcSetGeometryUserData(geometry, const_cast<ShapeCells*>(&shape));
   rtcSetGeometryBoundsFunction(geometry, cell_bounds, nullptr);
   rtcSetGeometryIntersectFunction(geometry, cell_intersect);
   rtcSetGeometryOccludedFunction(geometry, cell_occluded);
@@ -186,7 +186,7 @@ void attach(RTCDevice device, RTCScene scene, ShapeCells& shape, unsigned index)
 
 } // namespace
 
-CellScene::CellScene(std::vector<ShapeCells> shapes) : state_(std::make_unique<State>()) {
+CellScene::CellScene(std::vector<std::shared_ptr<const ShapeCells>> shapes) : state_(std::make_unique<State>()) {
   flush_denormals_in_this_thread();
   State& s = *state_;
   s.shapes = std::move(shapes);
@@ -201,7 +201,7 @@ CellScene::CellScene(std::vector<ShapeCells> shapes) : state_(std::make_unique<S
   rtcSetDeviceMemoryMonitorFunction(s.device, on_memory, &s);
   s.scene = rtcNewScene(s.device);
   rtcSetSceneFlags(s.scene, RTC_SCENE_FLAG_ROBUST); // cells share walls: no ray may slip through
-  for (unsigned i = 0; i < s.shapes.size(); ++i) attach(s.device, s.scene, s.shapes[i], i);
+  for (unsigned i = 0; i < s.shapes.size(); ++i) attach(s.device, s.scene, *s.shapes[i], i);
   rtcCommitScene(s.scene);
   if (s.error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
   if (s.error != RTC_ERROR_NONE) throw std::runtime_error("Embree: error " + std::to_string(s.error));
@@ -260,11 +260,11 @@ uint32_t CellScene::occluded(std::span<const Ray> rays, SolveCounters& counters)
   return found;
 }
 
-const std::vector<ShapeCells>& CellScene::shapes() const { return state_->shapes; }
+const std::vector<std::shared_ptr<const ShapeCells>>& CellScene::shapes() const { return state_->shapes; }
 
 size_t CellScene::bytes() const {
   size_t n = static_cast<size_t>(state_->embree_bytes.load());
-  for (const ShapeCells& s : state_->shapes) n += s.bytes();
+  for (const auto& s : state_->shapes) n += s->bytes();
   return n;
 }
 

@@ -17,7 +17,7 @@ struct CellHit {
 class CellScene {
 public:
   /// Takes the shapes' cells. Throws std::bad_alloc when Embree runs out of memory.
-  explicit CellScene(std::vector<ShapeCells> shapes);
+  explicit CellScene(std::vector<std::shared_ptr<const ShapeCells>> shapes);
   ~CellScene();
   CellScene(CellScene&&) noexcept;
   CellScene& operator=(CellScene&&) noexcept;
@@ -32,7 +32,7 @@ public:
   uint32_t intersect(std::span<const Ray>, SolveCounters&, CellHit*) const;
   uint32_t occluded(std::span<const Ray>, SolveCounters&) const;
 
-  const std::vector<ShapeCells>& shapes() const;
+  const std::vector<std::shared_ptr<const ShapeCells>>& shapes() const;
   /// Bytes of Embree's own structures and of the cells.
   size_t bytes() const;
 

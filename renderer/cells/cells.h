@@ -3,6 +3,7 @@
 #pragma once
 
 #include "base/box.h"
+#include "renderer/cells/memory_budget.h"
 #include "renderer/cells/tree.h"
 #include "renderer/program/evaluate.h"
 
@@ -45,6 +46,9 @@ struct ShapeCells {
   size_t bytes() const;
 };
 
+/// What Embree's tree takes for each cell, about.
+inline constexpr size_t k_tree_bytes_per_cell = 100;
+
 /// How far space is subdivided.
 struct CellLimits {
   uint32_t elements = 16;  ///< few enough elements make a cell a leaf, if its side is at most…
@@ -52,11 +56,16 @@ struct CellLimits {
   float side_in_radii = 2; ///< …and so does a side below this many radii of influence of its smallest element (finer: slower, and eight
                            ///< times the memory a halving)
   int depth = 24;
+  MemoryBudget* budget = nullptr; ///< what cells take is taken from it, if there is one
 };
+
+/// Makes cells twice as long, and with them memory smaller and rays slower; false where they would be so long that float
+/// numbers lose small elements in them.
+bool make_coarser(CellLimits&);
 
 /// Subdivides the support of a program from the top down: every cell is bounded and pruned; those proved
 /// empty or full are dropped. Parallel within the current TBB arena; the result does not depend on the
-/// number of threads.
+/// number of threads. Throws MemoryBudget::Exceeded.
 ShapeCells build_cells(FieldProgram program, const CellLimits& limits = {});
 
 } // namespace kelpie

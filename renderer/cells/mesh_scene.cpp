@@ -14,6 +14,7 @@ namespace kelpie {
 /// A mesh in the world.
 struct MeshScene::Placed {
   uint32_t shape;
+  TriangleMesh<SampledMode> kind;
   std::shared_ptr<const SurfaceMesh> mesh;
   std::vector<Vec3> positions;
   Mat3 world_from_normal; ///< the lengths of normals are not kept
@@ -46,10 +47,7 @@ struct MeshScene::State {
   }
 };
 
-MeshScene::MeshScene() = default;
 MeshScene::~MeshScene() = default;
-MeshScene::MeshScene(MeshScene&&) noexcept = default;
-MeshScene& MeshScene::operator=(MeshScene&&) noexcept = default;
 
 namespace {
 
@@ -70,10 +68,9 @@ RTCRay to_embree(const Ray& ray) {
 } // namespace
 
 void MeshScene::add(uint32_t shape, const TriangleMesh<SampledMode>& kind) {
-  if (!state_) state_ = std::make_unique<State>();
   const SurfaceMesh& mesh = *kind.mesh;
   const Affine world_from_file = kind.world_from_file();
-  Placed placed{shape, kind.mesh, {}, Mat3(glm::transpose(glm::inverse(world_from_file.linear))), 0};
+  Placed placed{shape, kind, kind.mesh, {}, Mat3(glm::transpose(glm::inverse(world_from_file.linear))), 0};
   Box3 box;
   placed.positions.reserve(mesh.positions.size());
   for (const Vec3d& p : mesh.positions) box.extend(placed.positions.emplace_back(world_from_file(mesh.origin + p)));
@@ -92,8 +89,10 @@ void MeshScene::add(uint32_t shape, const TriangleMesh<SampledMode>& kind) {
   meshes_.push_back(std::move(placed));
 }
 
-void MeshScene::commit() {
-  if (!state_) return;
+MeshScene::MeshScene(std::span<const std::pair<uint32_t, TriangleMesh<SampledMode>>> meshes) {
+  if (meshes.empty()) return;
+  state_ = std::make_unique<State>();
+  for (const auto& [shape, mesh] : meshes) add(shape, mesh);
   rtcCommitScene(state_->scene);
   if (state_->error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
   if (state_->error != RTC_ERROR_NONE) throw std::runtime_error("Embree: error " + std::to_string(state_->error));
@@ -142,6 +141,11 @@ bool MeshScene::occluded(const Ray& ray) const {
   RTCRay r = to_embree(ray);
   rtcOccluded1(state_->scene, &context, &r);
   return r.tfar < 0;
+}
+
+bool MeshScene::is_of(std::span<const std::pair<uint32_t, TriangleMesh<SampledMode>>> meshes) const {
+  return std::equal(meshes.begin(), meshes.end(), meshes_.begin(), meshes_.end(),
+                    [](const auto& a, const Placed& b) { return a.first == b.shape && is_equal(a.second, b.kind); });
 }
 
 size_t MeshScene::bytes() const {

@@ -1,16 +1,65 @@
 #include "renderer/trace/tracer.h"
 
+#include <algorithm>
 #include <array>
 
 namespace kelpie {
 
 namespace {
 
-std::vector<ShapeCells> build_all(const FrameScene& frame, const CellLimits& limits) {
-  std::vector<ShapeCells> all;
-  for (const SampledShape& shape : frame.shapes) // geometry has no cells
-    all.push_back(shape.field.nodes.empty() ? ShapeCells{} : build_cells(compile(shape.field, shape.threshold), limits));
+using SharedCells = std::shared_ptr<const ShapeCells>;
+
+bool is_same_subdivision(const CellLimits& a, const CellLimits& b) {
+  return a.elements == b.elements && a.sparse_side == b.sparse_side && a.side_in_radii == b.side_in_radii && a.depth == b.depth;
+}
+
+/// The cells of the last frame, for the shapes that have not changed since.
+std::vector<SharedCells> unchanged_cells(const FrameScene& frame, const CellLimits& limits, const KeptScenes& kept) {
+  std::vector<SharedCells> all(frame.shapes.size());
+  if (!kept.cells || kept.cells->shapes().size() != all.size() || !is_same_subdivision(kept.limits, limits)) return all;
+  for (size_t i = 0; i < all.size(); ++i) {
+    const SharedCells& last = kept.cells->shapes()[i];
+    const SampledShape& shape = frame.shapes[i];
+    if (last->program.threshold == double(shape.threshold) && is_equal(last->program.field, shape.field)) all[i] = last;
+  }
   return all;
+}
+
+std::shared_ptr<const CellScene> build_cell_scene(const FrameScene& frame, const CellLimits& limits, KeptScenes& kept, size_t& kept_cells) {
+  std::vector<SharedCells> all = unchanged_cells(frame, limits, kept);
+  const bool is_all_kept = std::all_of(all.begin(), all.end(), [](const SharedCells& c) { return c != nullptr; });
+  if (!is_all_kept) kept.cells.reset(); // what has changed makes room first
+  for (size_t i = 0; i < all.size(); ++i) {
+    const SampledShape& shape = frame.shapes[i];
+    if (all[i]) {
+      kept_cells += all[i]->cells.size();
+      if (limits.budget) limits.budget->take(all[i]->bytes() + all[i]->cells.size() * k_tree_bytes_per_cell);
+    } else if (shape.field.nodes.empty()) { // geometry has no cells
+      auto none = std::make_shared<ShapeCells>();
+      none->program.threshold = shape.threshold;
+      all[i] = std::move(none);
+    } else {
+      all[i] = std::make_shared<const ShapeCells>(build_cells(compile(shape.field, shape.threshold), limits));
+    }
+  }
+  if (!is_all_kept || !kept.cells) kept.cells = std::make_shared<const CellScene>(std::move(all));
+  kept.limits = limits, kept.limits.budget = nullptr;
+  return kept.cells;
+}
+
+std::shared_ptr<const MeshScene> build_mesh_scene(const FrameScene& frame, const CellLimits& limits, KeptScenes& kept) {
+  std::vector<std::pair<uint32_t, TriangleMesh<SampledMode>>> meshes;
+  for (uint32_t i = 0; i < frame.shapes.size(); ++i)
+    if (const auto& geometry = frame.shapes[i].geometry)
+      if (const auto* mesh = std::get_if<TriangleMesh<SampledMode>>(&*geometry)) {
+        meshes.emplace_back(i, *mesh);
+        if (limits.budget) limits.budget->take(mesh->mesh->triangles.size() * k_tree_bytes_per_triangle);
+      }
+  if (!kept.meshes || !kept.meshes->is_of(meshes)) {
+    kept.meshes.reset();
+    kept.meshes = std::make_shared<const MeshScene>(meshes);
+  }
+  return kept.meshes;
 }
 
 /// Positions are rounded to float; an offset must not drown in that.
@@ -32,18 +81,18 @@ Ray depart(const Ray& arrived, const Hit& hit, const Vec3& direction, Side side)
   return ray;
 }
 
-Tracer::Tracer(const FrameScene& frame, const CellLimits& limits) : cells_(build_all(frame, limits)) {
+Tracer::Tracer(const FrameScene& frame, const CellLimits& limits, KeptScenes* kept) {
+  KeptScenes nothing;
+  meshes_ = build_mesh_scene(frame, limits, kept ? *kept : nothing);
+  cells_ = build_cell_scene(frame, limits, kept ? *kept : nothing, kept_cells_);
   for (uint32_t i = 0; i < frame.shapes.size(); ++i) {
     const SampledShape& shape = frame.shapes[i];
     if (!shape.geometry) continue;
     if (const auto* plane = std::get_if<Plane<SampledMode>>(&*shape.geometry))
       planes_.push_back({plane->position, glm::normalize(plane->normal), i});
-    else
-      meshes_.add(i, std::get<TriangleMesh<SampledMode>>(*shape.geometry));
   }
-  meshes_.commit();
-  for (const ShapeCells& s : cells_.shapes())
-    for (const Cell& cell : s.cells) bounds_.extend(cell.box);
+  for (const SharedCells& s : cells_->shapes())
+    for (const Cell& cell : s->cells) bounds_.extend(cell.box);
 }
 
 bool Tracer::intersect(const Ray& ray, SolveCounters& counters, Hit& hit) const {
@@ -52,7 +101,7 @@ bool Tracer::intersect(const Ray& ray, SolveCounters& counters, Hit& hit) const 
   Ray shortened = ray;
   shortened.t_far = hit.t;
   CellHit cell_hit;
-  if (!cells_.intersect(shortened, counters, cell_hit)) return on_geometry;
+  if (!cells_->intersect(shortened, counters, cell_hit)) return on_geometry;
   complete(ray, cell_hit, hit);
   return true;
 }
@@ -60,7 +109,7 @@ bool Tracer::intersect(const Ray& ray, SolveCounters& counters, Hit& hit) const 
 bool Tracer::occluded(const Ray& ray, SolveCounters& counters) const {
   Hit hit;
   hit.t = ray.t_far;
-  return meet_planes(ray, hit) || meshes_.occluded(ray) || cells_.occluded(ray, counters);
+  return meet_planes(ray, hit) || meshes_->occluded(ray) || cells_->occluded(ray, counters);
 }
 
 uint32_t Tracer::intersect(std::span<const Ray> rays, SolveCounters& counters, Hit* hits) const {
@@ -73,7 +122,7 @@ uint32_t Tracer::intersect(std::span<const Ray> rays, SolveCounters& counters, H
     shortened[i] = rays[i];
     shortened[i].t_far = hits[i].t;
   }
-  const uint32_t in_cells = cells_.intersect(std::span(shortened).first(rays.size()), counters, cell_hits.data());
+  const uint32_t in_cells = cells_->intersect(std::span(shortened).first(rays.size()), counters, cell_hits.data());
   for (size_t i = 0; i < rays.size(); ++i)
     if (in_cells >> i & 1) complete(rays[i], cell_hits[i], hits[i]);
   return found | in_cells;
@@ -84,19 +133,19 @@ uint32_t Tracer::occluded(std::span<const Ray> rays, SolveCounters& counters) co
   for (size_t i = 0; i < rays.size(); ++i) {
     Hit hit;
     hit.t = rays[i].t_far;
-    found |= uint32_t(meet_planes(rays[i], hit) || meshes_.occluded(rays[i])) << i;
+    found |= uint32_t(meet_planes(rays[i], hit) || meshes_->occluded(rays[i])) << i;
   }
-  return found | cells_.occluded(rays, counters);
+  return found | cells_->occluded(rays, counters);
 }
 
 /// What is not a field; one by one, as Embree's answers about triangles may differ with the rays of a packet.
 bool Tracer::meet_geometry(const Ray& ray, Hit& hit) const {
   const bool on_plane = meet_planes(ray, hit);
-  if (meshes_.is_empty()) return on_plane;
+  if (meshes_->is_empty()) return on_plane;
   Ray shortened = ray;
   shortened.t_far = hit.t;
   MeshHit on_mesh;
-  if (!meshes_.intersect(shortened, on_mesh)) return on_plane;
+  if (!meshes_->intersect(shortened, on_mesh)) return on_plane;
   hit.t = on_mesh.t, hit.shape = on_mesh.shape, hit.position = on_mesh.position, hit.normal = on_mesh.normal;
   hit.is_leaving = on_mesh.is_leaving, hit.lift = on_mesh.lift;
   hit.epsilon = on_mesh.epsilon + rounding_at(hit.position, hit.t);
@@ -119,7 +168,7 @@ bool Tracer::meet_planes(const Ray& ray, Hit& hit) const {
 }
 
 void Tracer::complete(const Ray& ray, const CellHit& cell_hit, Hit& hit) const {
-  const ShapeCells& shape = cells_.shapes()[cell_hit.shape];
+  const ShapeCells& shape = *cells_->shapes()[cell_hit.shape];
   const Cell& cell = shape.cells[cell_hit.cell];
   hit.t = cell_hit.t;
   hit.shape = cell_hit.shape;
@@ -135,8 +184,8 @@ void Tracer::complete(const Ray& ray, const CellHit& cell_hit, Hit& hit) const {
 
 ShapeSet Tracer::shapes_around(const Vec3& p) const {
   ShapeSet around;
-  for (size_t i = 0; i < cells_.shapes().size(); ++i) {
-    const FieldProgram& program = cells_.shapes()[i].program;
+  for (size_t i = 0; i < cells_->shapes().size(); ++i) {
+    const FieldProgram& program = cells_->shapes()[i]->program;
     if (program.code.steps.empty() || !program.support.contains(Vec3d(p))) continue;
     if (evaluate(program, program.code, Point3<double>{p.x, p.y, p.z}) > program.threshold) around.add(static_cast<uint32_t>(i));
   }
@@ -145,13 +194,13 @@ ShapeSet Tracer::shapes_around(const Vec3& p) const {
 
 size_t Tracer::cell_count() const {
   size_t n = 0;
-  for (const ShapeCells& s : cells_.shapes()) n += s.cells.size();
+  for (const SharedCells& s : cells_->shapes()) n += s->cells.size();
   return n;
 }
 
 size_t Tracer::element_count() const {
   size_t n = 0;
-  for (const ShapeCells& s : cells_.shapes()) n += s.program.element_count();
+  for (const SharedCells& s : cells_->shapes()) n += s->program.element_count();
   return n;
 }
 

@@ -28,10 +28,19 @@ enum class Side { near, far };
 /// It lies in the shapes that `arrived` lay in, but for the surface that it crosses.
 Ray depart(const Ray& arrived, const Hit&, const Vec3& direction, Side);
 
+/// What a frame was built of, for the next one: whatever has not changed is not built again.
+struct KeptScenes {
+  std::shared_ptr<const CellScene> cells;
+  CellLimits limits; ///< of `cells`
+  std::shared_ptr<const MeshScene> meshes;
+};
+
 /// The surfaces of a frame, ready for rays. Building runs in the current TBB arena.
 class Tracer {
 public:
-  explicit Tracer(const FrameScene& frame, const CellLimits& limits = {});
+  /// `kept` may hold what the last frame was built of, and then holds what this one is. What is kept is the same, to the
+  /// last bit, as what would be built. Throws MemoryBudget::Exceeded where the limits have a budget.
+  explicit Tracer(const FrameScene& frame, const CellLimits& limits = {}, KeptScenes* kept = nullptr);
 
   bool intersect(const Ray&, SolveCounters&, Hit&) const;
   bool occluded(const Ray&, SolveCounters&) const;
@@ -47,7 +56,9 @@ public:
   const Box3& bounds() const { return bounds_; }
   size_t cell_count() const;
   size_t element_count() const;
-  size_t bytes() const { return cells_.bytes() + meshes_.bytes(); }
+  size_t bytes() const { return cells_->bytes() + meshes_->bytes(); }
+  /// Cells that the last frame had left.
+  size_t kept_cell_count() const { return kept_cells_; }
 
 private:
   /// An infinite plane and the shape that it is.
@@ -60,9 +71,10 @@ private:
   bool meet_planes(const Ray&, Hit&) const;
   void complete(const Ray&, const CellHit&, Hit&) const;
 
-  CellScene cells_; ///< one entry a shape of the frame
+  std::shared_ptr<const CellScene> cells_; ///< one entry a shape of the frame
   std::vector<PlaneShape> planes_;
-  MeshScene meshes_;
+  std::shared_ptr<const MeshScene> meshes_;
+  size_t kept_cells_ = 0;
   Box3 bounds_;
 };
 
