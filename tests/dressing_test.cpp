@@ -249,6 +249,38 @@ TEST(Dressing, SmoothMeshesDoNotShadowThemselvesAtTheTerminator) {
   EXPECT_GT(unlifted_lost, lit / 100) << "else this would test nothing";
 }
 
+// Closed meshes are media like fields: a ball of blobs within a mesh within a field, and a floor.
+TEST(Dressing, MeshesAreEnteredAndLeftLikeFields) {
+  const auto blob_ball = [](double radius) {
+    return scene_of(field_of({Blob{Vec3(0), float(radius / std::sqrt(1 - std::sqrt(0.5))), 2, Falloff::quartic}})).shapes[0];
+  };
+  FrameScene scene = scene_of(mesh_of(ball(24)));
+  scene.shapes.push_back(blob_ball(0.5)), scene.shapes.push_back(blob_ball(2));
+  SampledShape floor;
+  floor.name = "floor", floor.geometry = Plane<SampledMode>{Vec3(0, -3, 0), Vec3(0, 1, 0)};
+  scene.shapes.push_back(floor);
+  const Tracer tracer(scene);
+  SolveCounters counters;
+  Ray ray = ray_between(Vec3(0.03f, 5, 0.02f), Vec3(0.03f, 0, 0.02f));
+  struct Crossing {
+    uint32_t shape;
+    bool is_leaving;
+    float y;
+  };
+  for (const Crossing& c :
+       {Crossing{2, false, 2}, {0, false, 1}, {1, false, 0.5f}, {1, true, -0.5f}, {0, true, -1}, {2, true, -2}, {3, false, -3}}) {
+    Hit hit;
+    ASSERT_TRUE(tracer.intersect(ray, counters, hit));
+    EXPECT_EQ(hit.shape, c.shape);
+    EXPECT_EQ(hit.is_leaving, c.is_leaving);
+    EXPECT_NEAR(hit.position.y, c.y, 0.01);
+    ray = depart(ray, hit, ray.direction, Side::far);
+    EXPECT_EQ(ray.inside.contains(c.shape), !c.is_leaving);
+  }
+  Hit hit;
+  EXPECT_FALSE(tracer.intersect(ray, counters, hit));
+}
+
 TEST(Dressing, IsPlacedByScaleRotationAndPosition) {
   TriangleMesh<SampledMode> kind = mesh_of(cube());
   kind.scale = Vec3(1, 2, 3), kind.axis = Vec3(0, 0, 2), kind.angle = 90, kind.position = Vec3(10, 0, 0);
