@@ -281,6 +281,25 @@ TEST(Dressing, MeshesAreEnteredAndLeftLikeFields) {
   EXPECT_FALSE(tracer.intersect(ray, counters, hit));
 }
 
+// Meshes of any size have normals and are met from where rays leave them.
+TEST(Dressing, MeshesMayBeTinyOrHuge) {
+  for (const float size : {1e-6f, 1e-3f, 1e6f, 1e15f}) {
+    TriangleMesh<SampledMode> kind = mesh_of(ball(12));
+    kind.scale = Vec3(size);
+    const Tracer tracer(scene_of(kind));
+    SolveCounters counters;
+    for (int i = 0; i < 300; ++i) {
+      Random r(i);
+      const Ray ray = ray_between(size * Vec3(3.0 * r.direction()), 0.5f * size * random_point(r));
+      Hit hit;
+      ASSERT_TRUE(tracer.intersect(ray, counters, hit)) << size << ' ' << i;
+      EXPECT_GT(glm::dot(hit.normal, hit.position), 0.9f * size) << size << ' ' << i;
+      EXPECT_TRUE(tracer.occluded(depart(ray, hit, ray.direction, Side::far), counters)) << size << ' ' << i;
+      EXPECT_FALSE(tracer.occluded(depart(ray, hit, -ray.direction, Side::near), counters)) << size << ' ' << i;
+    }
+  }
+}
+
 TEST(Dressing, IsPlacedByScaleRotationAndPosition) {
   TriangleMesh<SampledMode> kind = mesh_of(cube());
   kind.scale = Vec3(1, 2, 3), kind.axis = Vec3(0, 0, 2), kind.angle = 90, kind.position = Vec3(10, 0, 0);
