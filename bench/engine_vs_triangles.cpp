@@ -147,10 +147,17 @@ void print_contest(const std::string& scene, const Contest& contest, int runs) {
 
 void measure(const std::string& name, const Options& options) {
   const FrameScene scene = bench_scene(name);
-  const double before = process_cpu_s();
-  const Tracer tracer(scene);
-  fmt::print("# {}: {} elements, {} cells: {:.3f} s, {:.1f} MB\n", name, tracer.element_count(), tracer.cell_count(),
-             process_cpu_s() - before, 1e-6 * double(tracer.bytes()));
+  std::optional<Tracer> built;
+  std::vector<double> seconds;
+  for (int run = 0; run < options.runs; ++run) {
+    built.reset();
+    const double before = process_cpu_s();
+    built.emplace(scene);
+    seconds.push_back(process_cpu_s() - before);
+  }
+  const Tracer& tracer = *built;
+  fmt::print("# {}: {} elements, {} cells: {:.4f} s, {:.1f} MB\n", name, tracer.element_count(), tracer.cell_count(), median(seconds),
+             1e-6 * double(tracer.bytes()));
 
   const double distance = glm::distance(scene.camera.position, scene.camera.look_at);
   const double pixel = 2 * std::tan(glm::radians(double(scene.camera.fov)) / 2) * distance / options.resolution.y;
