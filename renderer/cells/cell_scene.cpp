@@ -154,7 +154,7 @@ RTCRay to_embree(const Ray& ray) {
 template <class Packet>
 void fill(std::span<const Ray> rays, Packet& out, int* valid) {
   for (size_t i = 0; i < k_packet; ++i) {
-    valid[i] = i < rays.size() ? -1 : 0;
+    valid[i] = i < rays.size() && is_traceable(rays[i]) ? -1 : 0;
     const Ray& ray = rays[i < rays.size() ? i : 0]; // lanes without a ray hold a copy: numbers like any
     out.org_x[i] = ray.origin.x, out.org_y[i] = ray.origin.y, out.org_z[i] = ray.origin.z;
     out.dir_x[i] = ray.direction.x, out.dir_y[i] = ray.direction.y, out.dir_z[i] = ray.direction.z;
@@ -212,6 +212,7 @@ CellScene::CellScene(CellScene&&) noexcept = default;
 CellScene& CellScene::operator=(CellScene&&) noexcept = default;
 
 bool CellScene::intersect(const Ray& ray, SolveCounters& counters, CellHit& hit) const {
+  if (!is_traceable(ray)) return false;
   Query query{{}, &ray, false, &counters};
   rtcInitIntersectContext(&query.embree);
   RTCRayHit r;
@@ -224,6 +225,7 @@ bool CellScene::intersect(const Ray& ray, SolveCounters& counters, CellHit& hit)
 }
 
 bool CellScene::occluded(const Ray& ray, SolveCounters& counters) const {
+  if (!is_traceable(ray)) return false;
   Query query{{}, &ray, false, &counters};
   rtcInitIntersectContext(&query.embree);
   RTCRay r = to_embree(ray);

@@ -41,6 +41,13 @@ private:
   std::unique_ptr<State> state_;
 };
 
+/// Whether Embree takes the ray, which else ends the program: its numbers are some, and not beyond 1e18. Other rays meet
+/// nothing.
+inline bool is_traceable(const Ray& ray) {
+  const Vec3 sum = glm::abs(ray.origin) + glm::abs(ray.direction);
+  return sum.x + sum.y + sum.z <= 1e18f;
+}
+
 /// Embree wants denormals flushed in every thread that calls it; the solvers are faster so, too.
 void flush_denormals_in_this_thread();
 

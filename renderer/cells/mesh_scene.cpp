@@ -99,6 +99,7 @@ MeshScene::MeshScene(std::span<const std::pair<uint32_t, TriangleMesh<SampledMod
 }
 
 bool MeshScene::intersect(const Ray& ray, MeshHit& hit) const {
+  if (is_empty() || !is_traceable(ray)) return false;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRayHit found;
@@ -136,7 +137,7 @@ bool MeshScene::intersect(const Ray& ray, MeshHit& hit) const {
 }
 
 bool MeshScene::occluded(const Ray& ray) const {
-  if (is_empty()) return false;
+  if (is_empty() || !is_traceable(ray)) return false;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRay r = to_embree(ray);
