@@ -21,6 +21,9 @@ constexpr double k_margin = 1e-5;
 /// Subtrees with more elements than this are built in parallel; each level of them copies the cells once.
 constexpr size_t k_parallel_elements = 2000;
 
+/// How much the warps of a cell may differ from a linear map, unless its side is below this many radii.
+constexpr double k_most_turning = 0.5, k_calm_side = 0.2;
+
 class Builder {
 public:
   Builder(const FieldProgram& program, const CellLimits& limits) : program_(program), limits_(limits) {}
@@ -36,13 +39,26 @@ public:
     const Vec3d extent = box.extent();
     const double side = std::max({extent.x, extent.y, extent.z});
     const bool is_sparse = elements <= limits_.elements && side <= limits_.sparse_side * radius;
-    if (is_sparse || side <= limits_.side_in_radii * radius || depth >= limits_.depth)
+    const bool is_leaf = (is_sparse || side <= limits_.side_in_radii * radius) && is_calm(box, code, side, radius);
+    if (is_leaf || depth >= limits_.depth)
       add_cell(box, code, radius, out);
     else
       subdivide(box, code, elements, depth, out);
   }
 
 private:
+  /// Whether rays are nearly lines in the spaces of a cell; below a part of a radius it does not matter.
+  bool is_calm(const Box3d& box, const Code& code, double side, double radius) const {
+    if (side <= k_calm_side * radius) return true;
+    uint32_t last = 0;
+    for (const Instruction& step : code.steps) {
+      if (step.space == last || program_.spaces[step.space].is_affine_in_world()) continue;
+      last = step.space;
+      if (!(turning(program_, step.space, {Vec3(box.lower), Vec3(box.upper)}) <= k_most_turning)) return false;
+    }
+    return true;
+  }
+
   /// Halves every axis that is not much shorter than the longest, so that cells become cubes.
   void subdivide(const Box3d& box, const Code& code, size_t elements, int depth, ShapeCells& out) const {
     const Vec3d extent = box.extent();
@@ -74,7 +90,7 @@ private:
   /// In the order of the children, whatever thread was first.
   static void append(const ShapeCells& part, ShapeCells& out) {
     for (Cell cell : part.cells) {
-      cell.leaves += out.leaf_data.size();
+      cell.leaves += out.leaf_data.size(), cell.spaces += static_cast<uint32_t>(out.tree_spaces.size());
       cell.first += cell.content == Cell::Content::code   ? out.steps.size()
                     : cell.content == Cell::Content::tree ? out.tree_steps.size()
                                                           : out.leaf_data.size();
@@ -89,6 +105,7 @@ private:
     out.blob_indices.insert(out.blob_indices.end(), part.blob_indices.begin(), part.blob_indices.end());
     out.leaf_data.insert(out.leaf_data.end(), part.leaf_data.begin(), part.leaf_data.end());
     out.tree_steps.insert(out.tree_steps.end(), part.tree_steps.begin(), part.tree_steps.end());
+    out.tree_spaces.insert(out.tree_spaces.end(), part.tree_spaces.begin(), part.tree_spaces.end());
   }
 
   void add_cell(const Box3d& box, const Code& code, double radius, ShapeCells& out) const {
@@ -128,11 +145,18 @@ private:
   }
 
   bool add_tree(const Code& code, Cell& cell, ShapeCells& out) const {
-    cell.first = out.tree_steps.size(), cell.leaves = out.leaf_data.size();
-    cell.leaf_count = make_tree(program_, code, Vec3d(cell.box.centre()), out.tree_steps, out.leaf_data);
-    if (cell.leaf_count == 0) return false;
+    const std::optional<Tree> tree = make_tree(program_, code, cell.box);
+    if (!tree) return false;
+    const auto add = [](const auto& from, auto& to) {
+      const size_t first = to.size();
+      to.insert(to.end(), from.begin(), from.end());
+      return first;
+    };
     cell.content = Cell::Content::tree;
-    cell.count = static_cast<uint32_t>(out.tree_steps.size() - cell.first);
+    cell.count = static_cast<uint32_t>(tree->steps.size()), cell.first = add(tree->steps, out.tree_steps);
+    cell.leaf_count = tree->leaf_count, cell.leaves = add(tree->leaves, out.leaf_data);
+    cell.space_count = static_cast<uint32_t>(tree->spaces.size());
+    cell.spaces = static_cast<uint32_t>(add(tree->spaces, out.tree_spaces));
     return true;
   }
 

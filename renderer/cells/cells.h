@@ -18,11 +18,12 @@ struct Cell {
   };
   Box3 box;
   Content content = Content::code;
-  uint32_t count = 0;      ///< blobs, padding included; or steps
-  uint64_t first = 0;      ///< into ShapeCells::leaf_data, ::tree_steps or ::steps
-  float epsilon = 0;       ///< offset of secondary rays along the normal: 1e-3 of the smallest radius of influence
-  uint32_t leaf_count = 0; ///< of a tree, padding included
-  uint64_t leaves = 0;     ///< of a tree: into ShapeCells::leaf_data
+  uint32_t count = 0;                   ///< blobs, padding included; or steps
+  uint64_t first = 0;                   ///< into ShapeCells::leaf_data, ::tree_steps or ::steps
+  float epsilon = 0;                    ///< offset of secondary rays along the normal: 1e-3 of the smallest radius of influence
+  uint32_t leaf_count = 0;              ///< of a tree, padding included
+  uint64_t leaves = 0;                  ///< of a tree: into ShapeCells::leaf_data
+  uint32_t space_count = 0, spaces = 0; ///< of a tree: how many and where in ShapeCells::tree_spaces
 };
 
 /// All cells of one shape. The code of a cell refers to `operands` and `blob_indices` from their starts.
@@ -31,6 +32,7 @@ struct ShapeCells {
   std::vector<Cell> cells;
   std::vector<float> leaf_data; ///< blobs, and the leaves of trees
   std::vector<TreeStep> tree_steps;
+  std::vector<TreeSpace> tree_spaces;
   std::vector<Instruction> steps;
   std::vector<uint32_t> operands, blob_indices;
 
@@ -40,7 +42,8 @@ struct ShapeCells {
     return view;
   }
   TreeView tree(const Cell& c) const {
-    return {std::span(tree_steps).subspan(c.first, c.count), leaf_data.data() + c.leaves, c.leaf_count};
+    return {std::span(tree_steps).subspan(c.first, c.count), std::span(tree_spaces).subspan(c.spaces, c.space_count),
+            leaf_data.data() + c.leaves, c.leaf_count};
   }
   const float* blobs(const Cell& c) const { return leaf_data.data() + c.first; }
   size_t bytes() const;

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
+
+#include "renderer/program/evaluate.h"
 
 namespace kelpie {
 
@@ -10,6 +13,8 @@ namespace {
 
 using LeafNumbers = std::array<float, k_leaf_rows>;
 
+/// Where warps turn rays more than this within a cell (at kinks and tears, mostly), bounds by tangents are loose.
+constexpr double k_most_drift = 1;
 /// Steeper, the place of the nearest ball would drown in rounding; the distance hardly feels it.
 constexpr double k_steepest = 1e5;
 
@@ -27,13 +32,21 @@ std::optional<TreeStep::Kind> step_kind(Demand demand) {
 
 class TreeMaker {
 public:
-  TreeMaker(const FieldProgram& program, const Code& code, const Vec3d& centre) : program_(program), code_(code), centre_(centre) {}
+  TreeMaker(const FieldProgram& program, const Code& code, const Box3& cell) : program_(program), code_(code), cell_(cell) {}
 
   /// False if the code is no tree.
-  bool run() { return emit(static_cast<uint32_t>(code_.steps.size() - 1), 0, false); }
-
-  const std::vector<TreeStep>& steps() const { return steps_; }
-  const std::vector<LeafNumbers>& leaves() const { return leaves_; }
+  std::optional<Tree> run() {
+    if (!emit(static_cast<uint32_t>(code_.steps.size() - 1), 0, false)) return {};
+    const size_t count = leaves_.size(), padded = std::max<size_t>(1, (count + k_leaf_group - 1) / k_leaf_group) * k_leaf_group;
+    out_.leaf_count = static_cast<uint32_t>(padded);
+    out_.leaves.resize(padded * k_leaf_rows, 0.f);
+    for (size_t i = 0; i < padded; ++i) {
+      for (size_t r = 0; i < count && r < k_leaf_rows; ++r) out_.leaves[r * padded + i] = leaves_[i][r];
+      // What pads: a ball of radius -2 is at least 2 away.
+      if (i >= count) out_.leaves[leaf_r * padded + i] = -2, out_.leaves[leaf_k * padded + i] = 1;
+    }
+    return std::move(out_);
+  }
 
 private:
   std::optional<TreeStep::Kind> kind_of(const Instruction& step) const {
@@ -54,7 +67,7 @@ private:
       const bool flips = *kind == TreeStep::Kind::difference && count > 0;
       if (!emit(operand, depth + count++, is_subtracted != flips)) return false;
     }
-    steps_.push_back({*kind, 0, count, is_subtracted});
+    out_.steps.push_back({*kind, 0, count, is_subtracted});
     return true;
   }
 
@@ -65,10 +78,10 @@ private:
     if (!gather(position, is_subtracted, others)) return false;
     const auto leaf_count = static_cast<uint32_t>(leaves_.size()) - first;
     uint32_t count = 0;
-    if (leaf_count > 0 || others.empty()) steps_.push_back({TreeStep::Kind::leaves, first, leaf_count, is_subtracted}), ++count;
+    if (leaf_count > 0 || others.empty()) out_.steps.push_back({TreeStep::Kind::leaves, first, leaf_count, is_subtracted}), ++count;
     for (const uint32_t other : others)
       if (!emit(other, depth + count++, is_subtracted)) return false;
-    if (count > 1) steps_.push_back({TreeStep::Kind::sum, 0, count, is_subtracted});
+    if (count > 1) out_.steps.push_back({TreeStep::Kind::sum, 0, count, is_subtracted});
     return true;
   }
 
@@ -111,20 +124,65 @@ private:
         program_.field.nodes[step.node]);
   }
 
-  bool add(uint32_t space_index, const ConeSphereSolid& solid, double k, double a, double b, bool is_subtracted) {
+  /// Where the leaves of a space are computed from: the world, or a warped space that is a base of others.
+  struct Base {
+    uint32_t slot = 0;  ///< as leaf_space has it
+    Vec3d centre;       ///< of the cell, as the solvers have it
+    double turning = 0; ///< how much the derivative of the map from the world differs within the cell, at most
+  };
+
+  /// The base of a space, and the affine map from there; false if the map from the world is too far from linear.
+  bool find_base(uint32_t space_index, Base& base, Affine& local_from_base) {
     const Space& space = program_.spaces[space_index];
-    if (space_index != 0 && !space.is_affine_in_world()) return false;
+    const bool is_warp = space.warp != Space::k_no_warp;
+    local_from_base = is_warp ? Affine{} : space.local_from_parent;
+    const uint32_t warped = is_warp ? space_index : space.parent;
+    for (const auto& [index, known] : bases_)
+      if (index == warped) {
+        base = known;
+        return true;
+      }
+    base.centre = Vec3d(cell_.centre());
+    if (warped != 0) {
+      base.slot = static_cast<uint32_t>(out_.spaces.size()) + 1;
+      SpacePoints<double> points;
+      points.begin(program_);
+      const Point3<double> c = points.at(program_, warped, {base.centre.x, base.centre.y, base.centre.z});
+      const Vec3 rounded(Vec3d(c.x, c.y, c.z));
+      base.centre = Vec3d(rounded);
+      base.turning = turning(program_, warped, cell_);
+      if (!(base.turning <= k_most_drift) || out_.spaces.size() == k_tree_spaces) return false;
+      out_.spaces.push_back({warped, rounded});
+    }
+    bases_.emplace_back(warped, base);
+    return true;
+  }
+
+  /// An upper bound of the factor by which a map stretches; exact for similarities.
+  static double stretch(const Mat3d& m) {
+    const Mat3d g = glm::transpose(m) * m;
+    const double trace = g[0][0] + g[1][1] + g[2][2];
+    double off = 0;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) off = std::max(off, std::abs(g[i][j] - (i == j ? trace / 3 : 0)));
+    return std::sqrt(off < 1e-9 * trace ? trace / 3 : trace);
+  }
+
+  bool add(uint32_t space_index, const ConeSphereSolid& solid, double k, double a, double b, bool is_subtracted) {
+    Base base;
+    Affine local_from_base;
+    if (!find_base(space_index, base, local_from_base)) return false;
     const Vec3d axis = solid.to - solid.from;
     const AxisFrame frame{solid.from, axis};
     const ConeSphereProfile profile{glm::length(axis), solid.from_radius, solid.to_radius};
-    const Vec3d c = space.local_from_parent(centre_) - solid.from;
+    const Vec3d c = local_from_base(base.centre) - solid.from;
     const Vec3d at{glm::dot(frame.u, c), glm::dot(frame.v, c), glm::dot(frame.e, c) - profile.lift};
     const double slope = std::clamp(profile.slope, -k_steepest, k_steepest);
     const double nearest = std::clamp(at.z - slope * norm(at.x, at.y), 0.0, profile.length);
 
     LeafNumbers& leaf = leaves_.emplace_back();
-    const Vec3d rows[] = {frame.u * space.local_from_parent.linear, frame.v * space.local_from_parent.linear,
-                          frame.e * space.local_from_parent.linear};
+    const Mat3d& linear = local_from_base.linear;
+    const Vec3d rows[] = {frame.u * linear, frame.v * linear, frame.e * linear};
     const double origin[] = {at.x, at.y, at.z - nearest};
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) leaf[4 * i + j] = static_cast<float>(rows[i][j]);
@@ -135,32 +193,34 @@ private:
     leaf[leaf_slope] = static_cast<float>(slope);
     leaf[leaf_k] = static_cast<float>(k), leaf[leaf_a] = static_cast<float>(a), leaf[leaf_b] = static_cast<float>(b);
     leaf[leaf_sign] = (a + b < 0) == is_subtracted ? 1.f : -1.f;
+    leaf[leaf_space] = static_cast<float>(base.slot), leaf[leaf_drift] = static_cast<float>(base.turning * stretch(linear));
     return true;
   }
 
   const FieldProgram& program_;
   const Code& code_;
-  Vec3d centre_;
-  std::vector<TreeStep> steps_;
+  Box3 cell_;
+  std::vector<std::pair<uint32_t, Base>> bases_;
   std::vector<LeafNumbers> leaves_;
+  Tree out_;
 };
 
 } // namespace
 
-uint32_t make_tree(const FieldProgram& program, const Code& code, const Vec3d& centre, std::vector<TreeStep>& steps,
-                   std::vector<float>& leaves) {
-  TreeMaker maker(program, code, centre);
-  if (!maker.run()) return 0;
-  const size_t count = maker.leaves().size(), padded = std::max<size_t>(1, (count + k_leaf_group - 1) / k_leaf_group) * k_leaf_group;
-  const size_t first = leaves.size();
-  leaves.resize(first + padded * k_leaf_rows, 0.f);
-  float* rows = leaves.data() + first;
-  for (size_t i = 0; i < padded; ++i) {
-    for (size_t r = 0; i < count && r < k_leaf_rows; ++r) rows[r * padded + i] = maker.leaves()[i][r];
-    if (i >= count) rows[leaf_r * padded + i] = -2, rows[leaf_k * padded + i] = 1; // a ball of radius -2: at least 2 away
-  }
-  steps.insert(steps.end(), maker.steps().begin(), maker.steps().end());
-  return static_cast<uint32_t>(padded);
+double turning(const FieldProgram& program, uint32_t space, const Box3& box) {
+  using Variable = Dual<Interval, 3>;
+  const auto variable = [&](int i) { return Variable::variable({box.lower[i], box.upper[i]}, i); };
+  SpacePoints<Variable> points;
+  points.begin(program);
+  const Point3<Variable> p = points.at(program, space, {variable(0), variable(1), variable(2)});
+  double sum = 0;
+  for (const Variable& x : {p.x, p.y, p.z})
+    for (const Interval& d : x.d) sum += square(d.width());
+  return std::isnan(sum) ? std::numeric_limits<double>::infinity() : std::sqrt(sum);
+}
+
+std::optional<Tree> make_tree(const FieldProgram& program, const Code& code, const Box3& cell) {
+  return TreeMaker(program, code, cell).run();
 }
 
 } // namespace kelpie

@@ -1,9 +1,10 @@
 // Trees that are solved in SIMD lanes: sums, unions, intersections and differences over leaves that are
-// cone-spheres in some affine space (points and segments are the thinnest). A cell holds its pruned tree with
-// the leaves in structure-of-arrays form.
+// cone-spheres (points and segments are the thinnest), under any warps. A cell holds its pruned tree with the
+// leaves in structure-of-arrays form.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "base/box.h"
@@ -24,7 +25,13 @@ struct TreeStep {
   bool is_subtracted = false;
 };
 
-/// The numbers of a leaf. Its potential at a point p, relative to the centre of the cell, is q^2 (a + b q) with
+/// A space of the program that is warped in the world: there a ray is a curve.
+struct TreeSpace {
+  uint32_t space; ///< into FieldProgram::spaces
+  Vec3 centre;    ///< the image of the cell's centre, rounded
+};
+
+/// The numbers of a leaf. Its potential at a point p, relative to the centre of the cell in the leaf's space, is q^2 (a + b q) with
 /// q = max(0, 1 - k d^2) and d the distance to the cone-sphere:
 ///   (x, y, z) = (x_row, y_row, z_row) p + (x_0, y_0, z_0),   z along the axis,
 ///   s = clamp(z - slope |(x, y)|, s_low, s_high),   d = max(0, |(x, y, z - s)| - (r - sine s)).
@@ -51,23 +58,40 @@ enum LeafRow : uint32_t {
   leaf_k,
   leaf_a,
   leaf_b,
-  leaf_sign, ///< 1 where the field rises with nearness to the leaf, -1 where it falls
+  leaf_sign,  ///< 1 where the field rises with nearness to the leaf, -1 where it falls
+  leaf_space, ///< 0: the world; i + 1: TreeView::spaces[i]
+  leaf_drift, ///< within the cell, from its tangent at a place h away a ray parts by no more than this times h
   k_leaf_rows
 };
 
 /// A tree in a cell: row r of leaf i is leaves[r * leaf_count + i].
 struct TreeView {
   std::span<const TreeStep> steps;
+  std::span<const TreeSpace> spaces;
   const float* leaves;
   size_t leaf_count; ///< with padding: leaves that are 0 everywhere
+
+  float row(LeafRow r, size_t i) const { return leaves[r * leaf_count + i]; }
+  /// Whether the potential is positive where it is not 0.
+  bool is_positive(size_t i) const { return row(leaf_a, i) + row(leaf_b, i) > 0; }
 };
 
-/// No deeper stack of sums is solved so.
-inline constexpr size_t k_tree_depth = 16;
+/// No deeper stack of sums is solved so, and not more warped spaces in a cell.
+inline constexpr size_t k_tree_depth = 16, k_tree_spaces = 8;
 
-/// Appends the tree of a cell with this centre to `steps` and `leaves`, and returns the number of leaves, with
-/// padding; 0, and nothing appended, if `code` has a step that no tree has.
-uint32_t make_tree(const FieldProgram& program, const Code& code, const Vec3d& centre, std::vector<TreeStep>& steps,
-                   std::vector<float>& leaves);
+/// A tree by itself.
+struct Tree {
+  std::vector<TreeStep> steps;
+  std::vector<TreeSpace> spaces;
+  std::vector<float> leaves; ///< by rows
+  uint32_t leaf_count = 0;   ///< with padding
+};
+
+/// How much the derivative of the map from the world to a space differs within a box, at most (Frobenius norm);
+/// infinite where the map is not continuous. In a box where it is large a ray is far from a line.
+double turning(const FieldProgram& program, uint32_t space, const Box3& box);
+
+/// The tree of a cell, or nothing if `code` has a step that no tree has.
+std::optional<Tree> make_tree(const FieldProgram& program, const Code& code, const Box3& cell);
 
 } // namespace kelpie

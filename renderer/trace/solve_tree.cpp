@@ -17,19 +17,24 @@
 
 #include "renderer/trace/solve.h"
 #include "renderer/trace/tree_leaf-inl.h"
+#include "renderer/trace/warped_ray.h"
 
 #ifndef KELPIE_SOLVE_TREE_ONCE
 #define KELPIE_SOLVE_TREE_ONCE
 namespace kelpie {
 
-/// A ray in the frames of a tree's leaves: (x, y, z)(s) = 0 + 1 s. And a number of each leaf, by the latest question.
+/// Numbers of each leaf.
 struct TreeRay {
-  std::vector<float> x0, y0, z0, x1, y1, z1, value;
-  std::vector<char> is_active; ///< the leaf reaches the segment
+  std::vector<float> x0, y0, z0, x1, y1, z1; ///< a ray in the leaf's frame, (x, y, z)(s) = 0 + 1 s: where it is a line
+  std::vector<float> px, py, pz, vx, vy, vz; ///< place and velocity in the leaf's space, by the latest question: where not
+  std::vector<float> value;                  ///< by the latest question
+  std::vector<char> is_active;               ///< the leaf reaches the segment
+  std::vector<WarpedRay::Place> places;      ///< of each warped space
 
-  void resize(size_t n) {
+  void resize(size_t n, size_t spaces) {
+    places.resize(spaces);
     if (x0.size() >= n) return;
-    for (auto* list : {&x0, &y0, &z0, &x1, &y1, &z1, &value}) list->resize(n);
+    for (auto* list : {&x0, &y0, &z0, &x1, &y1, &z1, &px, &py, &pz, &vx, &vy, &vz, &value}) list->resize(n);
     is_active.resize(n);
   }
 };
@@ -68,41 +73,38 @@ struct Row {
 class TreeSolver {
 public:
   TreeSolver(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolverWork& work, TreeRay& scratch)
-      : tree_(shape.tree(cell)), threshold_(static_cast<float>(shape.program.threshold)), sign_(ray.from_inside ? -1.f : 1.f),
-        negligible_(1e-5f * threshold_),
+      : tree_(shape.tree(cell)), curves_(shape.program, tree_.spaces), threshold_(static_cast<float>(shape.program.threshold)),
+        sign_(ray.from_inside ? -1.f : 1.f), negligible_(1e-5f * threshold_),
         // Below this width a stretch of ray is a point: far below the offset of secondary rays.
-        width_(std::max(1e-4f * cell.epsilon, 2e-7f * std::abs(ray.t1))), work_(work), ray_(scratch) {}
+        width_(std::max(1e-4f * cell.epsilon, 2e-7f * std::abs(ray.t1))), segment_(ray), middle_(0.5f * (ray.t0 + ray.t1)),
+        place_(Vec3d(ray.origin) + double(middle_) * Vec3d(ray.direction) - Vec3d(cell.box.centre())), work_(work), ray_(scratch) {}
 
-  bool run(const Vec3& centre, const RaySegment& ray, float& t) {
-    const float middle = 0.5f * (ray.t0 + ray.t1), half = 0.5f * (ray.t1 - ray.t0);
-    const Vec3 m(Vec3d(ray.origin) + double(middle) * Vec3d(ray.direction) - Vec3d(centre));
-    if (!set_up(m, ray.direction, half)) return false;
+  bool run(float& t) {
+    const float half = 0.5f * (segment_.t1 - segment_.t0);
+    if (!set_up(half)) return false;
     float root;
     if (!first(-half, half, 0, root)) return false;
-    t = middle + root;
+    t = middle_ + root;
     return true;
   }
 
 private:
   /// Puts the ray into the frames of the leaves; false if the field cannot reach the threshold on the segment.
-  bool set_up(const Vec3& m, const Vec3& d, float half) {
-    const size_t n = tree_.leaf_count;
-    ray_.resize(n);
-    const V mx = set(m.x), my = set(m.y), mz = set(m.z), dx = set(d.x), dy = set(d.y), dz = set(d.z), h = set(half);
+  bool set_up(float half) {
+    ray_.resize(tree_.leaf_count, curves_.count());
+    if (curves_.count() > 0) find_places(0);
+    const Vec3& d = segment_.direction;
+    const V3 m{set(place_.x), set(place_.y), set(place_.z)}, direction{set(d.x), set(d.y), set(d.z)};
     bool any = false;
-    for (size_t i = 0; i < n; i += k_width) {
-      const auto row = [&](uint32_t r) { return hn::LoadU(k_lanes, tree_.leaves + r * n + i); };
-      const auto along = [&](uint32_t r) { return hn::MulAdd(row(r), dx, hn::MulAdd(row(r + 1), dy, hn::Mul(row(r + 2), dz))); };
-      const auto at = [&](uint32_t r) {
-        return hn::MulAdd(row(r), mx, hn::MulAdd(row(r + 1), my, hn::MulAdd(row(r + 2), mz, row(r + 3))));
-      };
-      const V x = at(leaf_xx), y = at(leaf_yx), z = at(leaf_zx), x1 = along(leaf_xx), y1 = along(leaf_yx), z1 = along(leaf_zx);
-      hn::StoreU(x, k_lanes, &ray_.x0[i]), hn::StoreU(y, k_lanes, &ray_.y0[i]), hn::StoreU(z, k_lanes, &ray_.z0[i]);
-      hn::StoreU(x1, k_lanes, &ray_.x1[i]), hn::StoreU(y1, k_lanes, &ray_.y1[i]), hn::StoreU(z1, k_lanes, &ray_.z1[i]);
+    for (size_t i = 0; i < tree_.leaf_count; i += k_width) {
+      const auto row = [&](uint32_t r) { return hn::LoadU(k_lanes, tree_.leaves + r * tree_.leaf_count + i); };
+      const bool warped = curves_.count() > 0;
+      const V3 p = place_in_frame(row, warped ? load(ray_.px, ray_.py, ray_.pz, i) : m);
+      const V3 v = velocity_in_frame(row, warped ? load(ray_.vx, ray_.vy, ray_.vz, i) : direction);
+      hn::StoreU(p.x, k_lanes, &ray_.x0[i]), hn::StoreU(p.y, k_lanes, &ray_.y0[i]), hn::StoreU(p.z, k_lanes, &ray_.z0[i]);
+      hn::StoreU(v.x, k_lanes, &ray_.x1[i]), hn::StoreU(v.y, k_lanes, &ray_.y1[i]), hn::StoreU(v.z, k_lanes, &ray_.z1[i]);
       const Leaf leaf = Leaf::each(tree_, i);
-      const Offset offset(leaf, x, y, z);
-      const V least = hn::NegMulAdd(hn::Abs(offset.rate(x1, y1, z1)), h, offset.distance());
-      const V peak = leaf.potential(square_of_positive(least));
+      const V peak = leaf.potential(square_of_positive(Offset(leaf, p).least(v, row(leaf_drift), set(half))));
       hn::StoreU(peak, k_lanes, &ray_.value[i]);
       const auto reaches = hn::Ne(peak, hn::Zero(k_lanes));
       any |= !hn::AllFalse(k_lanes, reaches);
@@ -112,12 +114,28 @@ private:
     }
     if (!any && sign_ > 0) return false;
     // What a leaf can be at most, 0 if it can only take away.
-    const float most = sign_ * (join_all([&](const TreeStep& step, size_t i) {
-                                  const bool wants_upper = step.is_subtracted == (sign_ < 0);
-                                  return wants_upper ? std::max(ray_.value[i], 0.f) : std::min(ray_.value[i], 0.f);
-                                }) -
-                                threshold_);
-    return most >= -1e-6f * threshold_;
+    const float most = join_all(
+        [&](const TreeStep& step, size_t i) { return wants_upper(step) ? std::max(ray_.value[i], 0.f) : std::min(ray_.value[i], 0.f); });
+    return sign_ * (most - threshold_) >= -1e-6f * threshold_;
+  }
+
+  /// Whether the bound of g from above takes this step's from above.
+  bool wants_upper(const TreeStep& step) const { return step.is_subtracted == (sign_ < 0); }
+
+  static V3 load(const std::vector<float>& x, const std::vector<float>& y, const std::vector<float>& z, size_t i) {
+    return {hn::LoadU(k_lanes, &x[i]), hn::LoadU(k_lanes, &y[i]), hn::LoadU(k_lanes, &z[i])};
+  }
+
+  /// Where the ray is at s in the space of each leaf.
+  void find_places(float s) const {
+    curves_.find(segment_.origin, segment_.direction, double(middle_) + double(s), ray_.places.data());
+    const WarpedRay::Place line{place_ + s * segment_.direction, segment_.direction};
+    for (size_t i = 0; i < tree_.leaf_count; ++i) {
+      const auto slot = static_cast<size_t>(tree_.row(leaf_space, i));
+      const WarpedRay::Place& p = slot == 0 ? line : ray_.places[slot - 1];
+      ray_.px[i] = p.at.x, ray_.py[i] = p.at.y, ray_.pz[i] = p.at.z;
+      ray_.vx[i] = p.velocity.x, ray_.vy[i] = p.velocity.y, ray_.vz[i] = p.velocity.z;
+    }
   }
 
   /// The field, where leaf i of a step yields leaf(step, i).
@@ -142,19 +160,24 @@ private:
     return stack[0];
   }
 
-  Offset offset_of_leaves(const Leaf& leaf, size_t i, V s) const {
-    const auto at = [&](const std::vector<float>& v0, const std::vector<float>& v1) {
-      return hn::MulAdd(hn::LoadU(k_lanes, &v1[i]), s, hn::LoadU(k_lanes, &v0[i]));
-    };
-    return {leaf, at(ray_.x0, ray_.x1), at(ray_.y0, ray_.y1), at(ray_.z0, ray_.z1)};
+  /// Leaves i, i + 1, … as seen from s; find_places() was asked for s, if there are warps.
+  Offset offset_of_leaves(const Leaf& leaf, size_t i, float s) const {
+    if (curves_.count() > 0) {
+      const auto row = [&](uint32_t r) { return hn::LoadU(k_lanes, tree_.leaves + r * tree_.leaf_count + i); };
+      return {leaf, place_in_frame(row, load(ray_.px, ray_.py, ray_.pz, i))};
+    }
+    const V3 p = load(ray_.x0, ray_.y0, ray_.z0, i), v = load(ray_.x1, ray_.y1, ray_.z1, i);
+    const V place = set(s);
+    return {leaf, {hn::MulAdd(v.x, place, p.x), hn::MulAdd(v.y, place, p.y), hn::MulAdd(v.z, place, p.z)}};
   }
 
   /// g = ±(f - T) at one place; negative before the surface.
   float at(float place) const {
     ++work_.evaluations;
+    if (curves_.count() > 0) find_places(place);
     for (size_t i = 0; i < tree_.leaf_count; i += k_width) {
       const Leaf leaf = Leaf::each(tree_, i);
-      hn::StoreU(leaf.potential(square_of_positive(offset_of_leaves(leaf, i, set(place)).distance())), k_lanes, &ray_.value[i]);
+      hn::StoreU(leaf.potential(square_of_positive(offset_of_leaves(leaf, i, place).distance())), k_lanes, &ray_.value[i]);
     }
     return sign_ * (join_all([&](const TreeStep&, size_t i) { return ray_.value[i]; }) - threshold_);
   }
@@ -162,12 +185,12 @@ private:
   /// Whether g surely rises all the way from `from` to `to`: every leaf comes nearer that makes it rise, and none
   /// reaches that makes it fall. The distances being convex, `to` tells.
   bool is_rising(float from, float to) const {
-    if (sign_ < 0) return false;
-    const V zero = hn::Zero(k_lanes), s = set(to), length = set(to - from);
+    if (sign_ < 0 || curves_.count() > 0) return false;
+    const V zero = hn::Zero(k_lanes), length = set(to - from);
     for (size_t i = 0; i < tree_.leaf_count; i += k_width) {
       const Leaf leaf = Leaf::each(tree_, i);
-      const Offset offset = offset_of_leaves(leaf, i, s);
-      const V rate = offset.rate(hn::LoadU(k_lanes, &ray_.x1[i]), hn::LoadU(k_lanes, &ray_.y1[i]), hn::LoadU(k_lanes, &ray_.z1[i]));
+      const Offset offset = offset_of_leaves(leaf, i, to);
+      const V rate = offset.rate(load(ray_.x1, ray_.y1, ray_.z1, i));
       const V sign = hn::LoadU(k_lanes, tree_.leaves + leaf_sign * tree_.leaf_count + i);
       const V least = hn::NegMulAdd(hn::Max(rate, zero), length, offset.distance());
       const V nearest = hn::IfThenElse(hn::Lt(rate, zero), offset.distance(), least);
@@ -182,10 +205,12 @@ private:
   void sample(const Row& places, const Row& halves, float* g, float* most) const {
     work_.evaluations += k_stretches;
     Row value[k_tree_depth + 1], bound[k_tree_depth + 1];
+    Curve curves[k_tree_spaces];
+    find_curves(places, curves);
     size_t depth = 0;
     for (const TreeStep& step : tree_.steps) {
       if (step.kind == TreeStep::Kind::leaves) {
-        add_leaves(step, places, halves, value[depth], bound[depth]);
+        add_leaves(step, places, halves, curves, value[depth], bound[depth]);
         ++depth;
         continue;
       }
@@ -215,23 +240,46 @@ private:
     f[0].v[j] = step.kind == TreeStep::Kind::difference ? hn::Max(r, hn::Zero(k_lanes)) : r;
   }
 
-  void add_leaves(const TreeStep& step, const Row& places, const Row& halves, Row& value, Row& bound) const {
+  /// Places and velocities in a warped space.
+  struct Curve {
+    V3 place[k_vectors], velocity[k_vectors];
+  };
+
+  void find_curves(const Row& places, Curve* curves) const {
+    if (curves_.count() == 0) return;
+    alignas(64) float s[k_stretches], numbers[k_tree_spaces][6][k_stretches];
+    for (size_t j = 0; j < k_vectors; ++j) hn::Store(places.v[j], k_lanes, s + j * k_width);
+    for (size_t j = 0; j < k_stretches; ++j) {
+      curves_.find(segment_.origin, segment_.direction, double(middle_) + double(s[j]), ray_.places.data());
+      for (size_t c = 0; c < curves_.count(); ++c)
+        for (int k = 0; k < 3; ++k) numbers[c][k][j] = ray_.places[c].at[k], numbers[c][3 + k][j] = ray_.places[c].velocity[k];
+    }
+    for (size_t c = 0; c < curves_.count(); ++c)
+      for (size_t j = 0; j < k_vectors; ++j) {
+        const auto row = [&](size_t k) { return hn::Load(k_lanes, numbers[c][k] + j * k_width); };
+        curves[c].place[j] = {row(0), row(1), row(2)}, curves[c].velocity[j] = {row(3), row(4), row(5)};
+      }
+  }
+
+  void add_leaves(const TreeStep& step, const Row& places, const Row& halves, const Curve* curves, Row& value, Row& bound) const {
     for (size_t j = 0; j < k_vectors; ++j) value.v[j] = bound.v[j] = hn::Zero(k_lanes);
-    const bool wants_upper = step.is_subtracted == (sign_ < 0);
     for (uint32_t i = step.first; i < step.first + step.count; ++i) {
       if (!ray_.is_active[i]) continue;
+      const auto row = [&](uint32_t r) { return set(tree_.leaves[r * tree_.leaf_count + i]); };
       const Leaf leaf = Leaf::all(tree_, i);
-      const V x0 = set(ray_.x0[i]), y0 = set(ray_.y0[i]), z0 = set(ray_.z0[i]), x1 = set(ray_.x1[i]), y1 = set(ray_.y1[i]),
-              z1 = set(ray_.z1[i]);
-      const auto offset_at = [&](V s) { return Offset(leaf, hn::MulAdd(x1, s, x0), hn::MulAdd(y1, s, y0), hn::MulAdd(z1, s, z0)); };
-      const bool wants_nearest =
-          wants_upper == (tree_.leaves[leaf_a * tree_.leaf_count + i] + tree_.leaves[leaf_b * tree_.leaf_count + i] > 0);
+      const V drift = row(leaf_drift);
+      const V3 p{set(ray_.x0[i]), set(ray_.y0[i]), set(ray_.z0[i])}, v{set(ray_.x1[i]), set(ray_.y1[i]), set(ray_.z1[i])};
+      const auto slot = static_cast<size_t>(tree_.row(leaf_space, i));
+      const bool wants_nearest = wants_upper(step) == tree_.is_positive(i);
       for (size_t j = 0; j < k_vectors; ++j) {
-        const V s = places.v[j], h = halves.v[j];
-        const Offset offset = offset_at(s);
+        const V s = places.v[j];
+        const V3 place = slot == 0 ? V3{hn::MulAdd(v.x, s, p.x), hn::MulAdd(v.y, s, p.y), hn::MulAdd(v.z, s, p.z)}
+                                   : place_in_frame(row, curves[slot - 1].place[j]);
+        const V3 velocity = slot == 0 ? v : velocity_in_frame(row, curves[slot - 1].velocity[j]);
+        const Offset offset(leaf, place);
         value.v[j] = hn::Add(value.v[j], leaf.potential(square_of_positive(offset.distance())));
-        const V extreme = wants_nearest ? hn::NegMulAdd(hn::Abs(offset.rate(x1, y1, z1)), h, offset.distance())
-                                        : hn::Max(offset_at(hn::Sub(s, h)).distance(), offset_at(hn::Add(s, h)).distance());
+        const V extreme =
+            wants_nearest ? offset.least(velocity, drift, halves.v[j]) : most_distance(leaf, place, velocity, drift, halves.v[j]);
         bound.v[j] = hn::Add(bound.v[j], leaf.potential(square_of_positive(extreme)));
       }
     }
@@ -316,14 +364,18 @@ private:
   }
 
   TreeView tree_;
+  WarpedRay curves_;
   float threshold_, sign_, negligible_, width_;
+  const RaySegment& segment_;
+  float middle_; ///< t where s is 0
+  Vec3 place_;   ///< there, from the cell's centre
   SolverWork& work_;
   TreeRay& ray_;
 };
 
 bool SolveTree(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolverWork& work, float& t) {
   thread_local TreeRay scratch;
-  return TreeSolver(shape, cell, ray, work, scratch).run(cell.box.centre(), ray, t);
+  return TreeSolver(shape, cell, ray, work, scratch).run(t);
 }
 
 /// Values and gradients of the leaves, a leaf a lane, then the operators.
@@ -333,14 +385,15 @@ Vec3 TreeGradient(const ShapeCells& shape, const Cell& cell, const Vec3& place) 
   const size_t n = tree.leaf_count;
   for (auto& list : leaves)
     if (list.size() < n) list.resize(n);
-  const Vec3 p = place - cell.box.centre();
+  const SpaceGradients spaces(shape.program, tree, cell, place);
   for (size_t i = 0; i < n; i += k_width) {
     const auto row = [&](uint32_t r) { return hn::LoadU(k_lanes, tree.leaves + r * n + i); };
-    const auto at = [&](uint32_t r) {
-      return hn::MulAdd(row(r), set(p.x), hn::MulAdd(row(r + 1), set(p.y), hn::MulAdd(row(r + 2), set(p.z), row(r + 3))));
-    };
+    alignas(64) float places[3][k_width];
+    for (size_t j = 0; j < k_width; ++j)
+      for (int c = 0; c < 3; ++c) places[c][j] = spaces.place(tree.row(leaf_space, i + j))[c];
     const Leaf leaf = Leaf::each(tree, i);
-    const Offset offset(leaf, at(leaf_xx), at(leaf_yx), at(leaf_zx));
+    const Offset offset(leaf,
+                        place_in_frame(row, {hn::Load(k_lanes, places[0]), hn::Load(k_lanes, places[1]), hn::Load(k_lanes, places[2])}));
     const V d = hn::Max(offset.distance(), hn::Zero(k_lanes));
     const V q = hn::Max(hn::NegMulAdd(leaf.k, hn::Mul(d, d), set(1)), hn::Zero(k_lanes));
     // d/dd of q^2 (a + b q) is -2 k d q (2 a + 3 b q).
@@ -369,7 +422,7 @@ Vec3 TreeGradient(const ShapeCells& shape, const Cell& cell, const Vec3& place) 
     if (step.kind == TreeStep::Kind::leaves) {
       Value sum{0, Vec3(0)};
       for (uint32_t i = step.first; i < step.first + step.count; ++i)
-        sum = sum + Value{leaves[0][i], Vec3(leaves[1][i], leaves[2][i], leaves[3][i])};
+        sum = sum + Value{leaves[0][i], spaces.in_world(tree.row(leaf_space, i), Vec3(leaves[1][i], leaves[2][i], leaves[3][i]))};
       stack[depth++] = sum;
       continue;
     }

@@ -17,12 +17,14 @@
 #include "renderer/trace/lanes-inl.h"
 #include "renderer/trace/solve.h"
 #include "renderer/trace/tree_leaf-inl.h"
+#include "renderer/trace/warped_ray.h"
 
 #ifndef KELPIE_SOLVE_TREE_LANES_ONCE
 #define KELPIE_SOLVE_TREE_LANES_ONCE
 namespace kelpie {
 
-/// A packet in the frames of the leaves that some lane meets: (x, y, z)(s) = first three + s * last three, a vector each.
+/// A packet in the frames of the leaves that some lane meets: (x, y, z)(s) = first three + s * last three, a vector
+/// each. Of leaves in warped spaces the first alone counts: 0, or far away.
 struct LaneTree {
   hwy::AlignedFreeUniquePtr<float[]> frames;
   std::vector<uint32_t> leaves; ///< which they are
@@ -50,8 +52,8 @@ namespace HWY_NAMESPACE {
 class TreeLaneSolver {
 public:
   TreeLaneSolver(const ShapeCells& shape, const Cell& cell, SolverWork& work, LaneTree& scratch)
-      : tree_(shape.tree(cell)), threshold_(static_cast<float>(shape.program.threshold)), negligible_(1e-5f * threshold_),
-        tiny_(cell.epsilon), work_(work), lanes_(scratch) {}
+      : tree_(shape.tree(cell)), curves_(shape.program, tree_.spaces), threshold_(static_cast<float>(shape.program.threshold)),
+        negligible_(1e-5f * threshold_), tiny_(cell.epsilon), work_(work), lanes_(scratch) {}
 
   /// The lanes that hit, in `hit`; those that only the solver for single rays can answer, in `unsure`.
   /// `enough`: where a lane may stop at any point that is inside, up to this t.
@@ -63,6 +65,7 @@ public:
     const V3 m{hn::Sub(hn::MulAdd(middle, d.x, o.x), set(centre.x)), hn::Sub(hn::MulAdd(middle, d.y, o.y), set(centre.y)),
                hn::Sub(hn::MulAdd(middle, d.z, o.z), set(centre.z))};
     live_ = segments.live;
+    keep_rays(o, d, middle);
     const V most = set_up(m, d);
     hit = unsure = no_lanes();
     live_ = hn::And(live_, hn::Ge(most, set(threshold_ * (1 - 1e-6f))));
@@ -74,9 +77,41 @@ public:
   }
 
 private:
+  /// Places and velocities in a warped space.
+  struct Curve {
+    V3 place, velocity;
+  };
+
+  /// The rays as numbers, for the curves.
+  void keep_rays(const V3& o, const V3& d, V middle) {
+    if (curves_.count() == 0) return;
+    const V rows[] = {o.x, o.y, o.z, d.x, d.y, d.z, middle};
+    for (size_t i = 0; i < 7; ++i) hn::Store(rows[i], k_lanes, rays_[i]);
+  }
+
+  /// Where the lanes are at s in the warped spaces.
+  void find_curves(V s) const {
+    if (curves_.count() == 0) return;
+    alignas(64) float at[k_width], numbers[k_tree_spaces][6][k_width] = {};
+    hn::Store(s, k_lanes, at);
+    WarpedRay::Place places[k_tree_spaces];
+    for (uint32_t left = bits_of(live_), i = 0; left != 0; left >>= 1, ++i) {
+      if (!(left & 1)) continue;
+      const Vec3 origin(rays_[0][i], rays_[1][i], rays_[2][i]), direction(rays_[3][i], rays_[4][i], rays_[5][i]);
+      curves_.find(origin, direction, double(rays_[6][i]) + double(at[i]), places);
+      for (size_t c = 0; c < curves_.count(); ++c)
+        for (int k = 0; k < 3; ++k) numbers[c][k][i] = places[c].at[k], numbers[c][3 + k][i] = places[c].velocity[k];
+    }
+    for (size_t c = 0; c < curves_.count(); ++c) {
+      const auto row = [&](size_t k) { return hn::Load(k_lanes, numbers[c][k]); };
+      found_[c] = {{row(0), row(1), row(2)}, {row(3), row(4), row(5)}};
+    }
+  }
+
   /// Puts the rays into the frames of the leaves; returns upper bounds of the field on the segments.
   V set_up(const V3& m, const V3& d) {
     lanes_.begin(tree_.leaf_count);
+    find_curves(hn::Zero(k_lanes));
     V stack[k_tree_depth + 1];
     size_t depth = 0;
     for (const TreeStep& step : tree_.steps) {
@@ -90,7 +125,8 @@ private:
       left.first = static_cast<uint32_t>(lanes_.leaves.size());
       V most = hn::Zero(k_lanes);
       for (uint32_t i = step.first; i < step.first + step.count; ++i) {
-        const V peak = set_up_leaf(i, m, d);
+        const auto slot = static_cast<size_t>(tree_.row(leaf_space, i));
+        const V peak = slot == 0 ? set_up_leaf(i, m, d) : set_up_leaf(i, found_[slot - 1].place, found_[slot - 1].velocity);
         most = hn::Add(most, step.is_subtracted ? hn::Min(peak, hn::Zero(k_lanes)) : hn::Max(peak, hn::Zero(k_lanes)));
       }
       left.count = static_cast<uint32_t>(lanes_.leaves.size()) - left.first;
@@ -102,22 +138,16 @@ private:
   /// The potential at the place of the segment that is nearest to the leaf, or nearer.
   V set_up_leaf(uint32_t i, const V3& m, const V3& d) {
     const auto row = [&](uint32_t r) { return set(tree_.leaves[r * tree_.leaf_count + i]); };
-    const auto along = [&](uint32_t r) { return hn::MulAdd(row(r), d.x, hn::MulAdd(row(r + 1), d.y, hn::Mul(row(r + 2), d.z))); };
-    const auto at = [&](uint32_t r) {
-      return hn::MulAdd(row(r), m.x, hn::MulAdd(row(r + 1), m.y, hn::MulAdd(row(r + 2), m.z, row(r + 3))));
-    };
-    const V x = at(leaf_xx), y = at(leaf_yx), z = at(leaf_zx), x1 = along(leaf_xx), y1 = along(leaf_yx), z1 = along(leaf_zx);
+    const V3 p = place_in_frame(row, m), v = velocity_in_frame(row, d);
     const Leaf leaf = Leaf::all(tree_, i);
-    const Offset offset(leaf, x, y, z);
-    const V least = hn::NegMulAdd(hn::Abs(offset.rate(x1, y1, z1)), half_, offset.distance());
-    const V peak = leaf.potential(square_of_positive(least));
+    const V peak = leaf.potential(square_of_positive(Offset(leaf, p).least(v, row(leaf_drift), half_)));
     const auto reaches = hn::And(live_, hn::Ne(peak, hn::Zero(k_lanes)));
     if (none(reaches)) return hn::Zero(k_lanes);
     // Where a lane does not meet the leaf, it must not make a difference whether another does: it is far away there.
+    const bool is_line = tree_.row(leaf_space, i) == 0;
+    const V rows[] = {hn::IfThenElse(reaches, is_line ? p.x : hn::Zero(k_lanes), set(1e15f)), p.y, p.z, v.x, v.y, v.z};
     float* frame = lanes_.frames.get() + 6 * k_width * lanes_.leaves.size();
-    hn::Store(hn::IfThenElse(reaches, x, set(1e15f)), k_lanes, frame), hn::Store(y, k_lanes, frame + k_width);
-    hn::Store(z, k_lanes, frame + 2 * k_width), hn::Store(x1, k_lanes, frame + 3 * k_width);
-    hn::Store(y1, k_lanes, frame + 4 * k_width), hn::Store(z1, k_lanes, frame + 5 * k_width);
+    for (size_t r = 0; r < 6; ++r) hn::Store(rows[r], k_lanes, frame + r * k_width);
     lanes_.leaves.push_back(i);
     return hn::IfThenElseZero(reaches, peak);
   }
@@ -136,6 +166,7 @@ private:
   /// g = f - T in the middle of each lane's stretch, and what it is at most within.
   void evaluate(V s, V h, V& g, V& most) const {
     work_.evaluations += hn::CountTrue(k_lanes, live_);
+    find_curves(s);
     V value[k_tree_depth + 1], bound[k_tree_depth + 1];
     size_t depth = 0;
     for (const TreeStep& step : lanes_.steps) {
@@ -156,19 +187,21 @@ private:
     const uint32_t i = lanes_.leaves[j];
     const float* frame = lanes_.frames.get() + 6 * k_width * j;
     const auto frame_row = [&](size_t r) { return hn::Load(k_lanes, frame + r * k_width); };
-    const V x1 = frame_row(3), y1 = frame_row(4), z1 = frame_row(5);
+    const auto row = [&](uint32_t r) { return set(tree_.leaves[r * tree_.leaf_count + i]); };
     const Leaf leaf = Leaf::all(tree_, i);
-    const auto offset_at = [&](V place) {
-      return Offset(leaf, hn::MulAdd(x1, place, frame_row(0)), hn::MulAdd(y1, place, frame_row(1)), hn::MulAdd(z1, place, frame_row(2)));
-    };
-    const Offset offset = offset_at(s);
-    const V distance = offset.distance();
-    const bool is_positive = tree_.leaves[leaf_a * tree_.leaf_count + i] + tree_.leaves[leaf_b * tree_.leaf_count + i] > 0;
-    const V nearest_or_farthest = wants_upper == is_positive
-                                      ? hn::NegMulAdd(hn::Abs(offset.rate(x1, y1, z1)), h, distance)
-                                      : hn::Max(offset_at(hn::Sub(s, h)).distance(), offset_at(hn::Add(s, h)).distance());
-    sum = hn::Add(sum, leaf.potential(square_of_positive(distance)));
-    extreme = hn::Add(extreme, leaf.potential(square_of_positive(nearest_or_farthest)));
+    const bool wants_nearest = wants_upper == tree_.is_positive(i);
+    const auto slot = static_cast<size_t>(tree_.row(leaf_space, i));
+    const V3 p{frame_row(0), frame_row(1), frame_row(2)}, v{frame_row(3), frame_row(4), frame_row(5)};
+    V3 place{hn::MulAdd(v.x, s, p.x), hn::MulAdd(v.y, s, p.y), hn::MulAdd(v.z, s, p.z)}, velocity = v;
+    if (slot > 0) {
+      place = place_in_frame(row, found_[slot - 1].place), velocity = velocity_in_frame(row, found_[slot - 1].velocity);
+      place.x = hn::Add(place.x, p.x);
+    }
+    const Offset offset(leaf, place);
+    sum = hn::Add(sum, leaf.potential(square_of_positive(offset.distance())));
+    const V drift = row(leaf_drift);
+    const V bound = wants_nearest ? offset.least(velocity, drift, h) : most_distance(leaf, place, velocity, drift, h);
+    extreme = hn::Add(extreme, leaf.potential(square_of_positive(bound)));
   }
 
   void march(V enough, M& hit, V& root) {
@@ -224,11 +257,14 @@ private:
   }
 
   TreeView tree_;
+  WarpedRay curves_;
   float threshold_, negligible_, tiny_;
   V half_;
   M live_; ///< lanes without an answer
   SolverWork& work_;
   LaneTree& lanes_;
+  alignas(64) float rays_[7][k_width]; ///< origin, direction, t where s is 0
+  mutable Curve found_[k_tree_spaces]; ///< by the latest question
 };
 
 uint32_t SolveTreeGroup(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, size_t first, SolveCounters& counters, float* t) {

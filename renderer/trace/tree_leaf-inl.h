@@ -13,6 +13,20 @@ HWY_BEFORE_NAMESPACE();
 namespace kelpie {
 namespace HWY_NAMESPACE {
 
+/// A place or a velocity in the frame of a leaf whose numbers are row(r).
+template <class Row>
+V3 place_in_frame(const Row& row, const V3& p) {
+  const auto along = [&](uint32_t r) {
+    return hn::MulAdd(row(r), p.x, hn::MulAdd(row(r + 1), p.y, hn::MulAdd(row(r + 2), p.z, row(r + 3))));
+  };
+  return {along(leaf_xx), along(leaf_yx), along(leaf_zx)};
+}
+template <class Row>
+V3 velocity_in_frame(const Row& row, const V3& v) {
+  const auto along = [&](uint32_t r) { return hn::MulAdd(row(r), v.x, hn::MulAdd(row(r + 1), v.y, hn::Mul(row(r + 2), v.z))); };
+  return {along(leaf_xx), along(leaf_yx), along(leaf_zx)};
+}
+
 /// The numbers of a leaf in every lane, or of a leaf a lane.
 struct Leaf {
   V s_low, s_high, r, sine, slope, k, a, b;
@@ -43,18 +57,29 @@ private:
 struct Offset {
   V x, y, z, length, radius;
 
-  Offset(const Leaf& leaf, V x_, V y_, V z_) : x(x_), y(y_) {
+  Offset(const Leaf& leaf, const V3& p) : x(p.x), y(p.y) {
     const V across2 = hn::MulAdd(x, x, hn::Mul(y, y));
-    const V s = hn::Min(hn::Max(hn::NegMulAdd(leaf.slope, hn::Sqrt(across2), z_), leaf.s_low), leaf.s_high);
-    z = hn::Sub(z_, s);
+    const V s = hn::Min(hn::Max(hn::NegMulAdd(leaf.slope, hn::Sqrt(across2), p.z), leaf.s_low), leaf.s_high);
+    z = hn::Sub(p.z, s);
     length = hn::Sqrt(hn::MulAdd(z, z, across2));
     radius = hn::NegMulAdd(leaf.sine, s, leaf.r);
   }
 
   V distance() const { return hn::Sub(length, radius); }
-  /// The distance's derivative along (x1, y1, z1).
-  V rate(V x1, V y1, V z1) const { return hn::Div(hn::MulAdd(x, x1, hn::MulAdd(y, y1, hn::Mul(z, z1))), hn::Max(length, set(1e-30f))); }
+  /// The distance's derivative at a velocity.
+  V rate(const V3& v) const { return hn::Div(hn::MulAdd(x, v.x, hn::MulAdd(y, v.y, hn::Mul(z, v.z))), hn::Max(length, set(1e-30f))); }
+  /// A bound of the distance from below on the stretch h either way: the distance is convex, so on a line it lies
+  /// above its tangent, and from a line a ray parts by `drift` times h at most.
+  V least(const V3& v, V drift, V h) const { return hn::NegMulAdd(hn::Add(hn::Abs(rate(v)), drift), h, distance()); }
 };
+
+/// The same from above, around a place with a velocity: on a line it is the larger of the ends.
+inline V most_distance(const Leaf& leaf, const V3& p, const V3& v, V drift, V h) {
+  const auto end = [&](V t) {
+    return Offset(leaf, {hn::MulAdd(v.x, t, p.x), hn::MulAdd(v.y, t, p.y), hn::MulAdd(v.z, t, p.z)}).distance();
+  };
+  return hn::MulAdd(drift, h, hn::Max(end(h), end(hn::Neg(h))));
+}
 
 inline V square_of_positive(V v) {
   const V p = hn::Max(v, hn::Zero(k_lanes));
