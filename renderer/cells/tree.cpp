@@ -62,12 +62,13 @@ private:
     const std::optional<TreeStep::Kind> kind = step.kind == Instruction::Kind::combine ? kind_of(step) : TreeStep::Kind::sum;
     if (!kind) return false;
     if (*kind == TreeStep::Kind::sum) return emit_sum(position, depth, is_subtracted);
+    // Joined two by two, so that the stack stays low however many there are.
     uint32_t count = 0;
     for (const uint32_t operand : operands(step)) {
       const bool flips = *kind == TreeStep::Kind::difference && count > 0;
-      if (!emit(operand, depth + count++, is_subtracted != flips)) return false;
+      if (!emit(operand, depth + (count > 0), is_subtracted != flips)) return false;
+      if (count++ > 0) out_.steps.push_back({*kind, 0, 2, is_subtracted});
     }
-    out_.steps.push_back({*kind, 0, count, is_subtracted});
     return true;
   }
 
@@ -79,9 +80,10 @@ private:
     const auto leaf_count = static_cast<uint32_t>(leaves_.size()) - first;
     uint32_t count = 0;
     if (leaf_count > 0 || others.empty()) out_.steps.push_back({TreeStep::Kind::leaves, first, leaf_count, is_subtracted}), ++count;
-    for (const uint32_t other : others)
-      if (!emit(other, depth + count++, is_subtracted)) return false;
-    if (count > 1) out_.steps.push_back({TreeStep::Kind::sum, 0, count, is_subtracted});
+    for (const uint32_t other : others) {
+      if (!emit(other, depth + (count > 0), is_subtracted)) return false;
+      if (count++ > 0) out_.steps.push_back({TreeStep::Kind::sum, 0, 2, is_subtracted});
+    }
     return true;
   }
 
