@@ -11,11 +11,22 @@
 #include "field/operators/local_blend.h"
 #include "field/operators/r_functions.h"
 #include "field/operators/union.h"
+#include "field/skeletons/arc.h"
+#include "field/skeletons/box.h"
+#include "field/skeletons/circle.h"
+#include "field/skeletons/cone.h"
 #include "field/skeletons/cone_sphere.h"
+#include "field/skeletons/cylinder.h"
 #include "field/skeletons/disc.h"
+#include "field/skeletons/hollow_cone.h"
 #include "field/skeletons/point.h"
+#include "field/skeletons/polyhedron.h"
+#include "field/skeletons/prism.h"
+#include "field/skeletons/rectangle.h"
 #include "field/skeletons/segment.h"
+#include "field/skeletons/tetrahedron.h"
 #include "field/skeletons/torus.h"
+#include "field/skeletons/triangle.h"
 #include "field/warps/affine.h"
 #include "field/warps/bend.h"
 #include "field/warps/twist.h"
@@ -28,6 +39,17 @@ using FieldFolderKinds = KindList< //
     ConeSphere,                    //
     Disc,                          //
     Torus,                         //
+    Circle,                        //
+    Arc,                           //
+    Triangle,                      //
+    Rectangle,                     //
+    Box,                           //
+    Cylinder,                      //
+    Cone,                          //
+    HollowCone,                    //
+    Tetrahedron,                   //
+    Prism,                         //
+    Polyhedron,                    //
     Blobs,                         //
     Blend,                         //
     Union,                         //

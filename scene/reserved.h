@@ -19,16 +19,6 @@ struct Reserved {
 };
 
 inline constexpr std::array k_reserved{
-    Reserved{ReservedAs::kind, "field", "circle"},
-    Reserved{ReservedAs::kind, "field", "arc"},
-    Reserved{ReservedAs::kind, "field", "triangle"},
-    Reserved{ReservedAs::kind, "field", "rectangle"},
-    Reserved{ReservedAs::kind, "field", "box"},
-    Reserved{ReservedAs::kind, "field", "cylinder"},
-    Reserved{ReservedAs::kind, "field", "cone"},
-    Reserved{ReservedAs::kind, "field", "tetrahedron"},
-    Reserved{ReservedAs::kind, "field", "prism"},
-    Reserved{ReservedAs::kind, "field", "polyhedron"},
     Reserved{ReservedAs::kind, "field", "taper"},
     Reserved{ReservedAs::kind, "field", "axial"},
     Reserved{ReservedAs::kind, "surface", "glass"},

@@ -16,6 +16,8 @@ Kind<SampledMode> sample_kind(const Kind<AnimatedMode>& animated, double frame) 
         target = source.at(frame);
       else if constexpr (requires { target = source; })
         target = source;
+      else if constexpr (requires { target.push_back(source.front().at(frame)); })
+        for (const auto& element : source) target.push_back(element.at(frame));
     };
     (one(animated.*(std::get<I>(from).member), sampled.*(std::get<I>(to).member)), ...);
   };

@@ -65,6 +65,12 @@ inline Box3 rounded_outward(const Box3d& b) {
   return {Vec3(b.lower - 3e-7 * size), Vec3(b.upper + 3e-7 * size)};
 }
 
+/// How far x is outside [-half, half].
+template <class Real>
+Real beyond(const Real& x, double half) {
+  return max(Real(0.0), max(x - Real(half), -x - Real(half)));
+}
+
 // The length of the vector (a, b). Its derivative by a is a / length, the cosine of an angle, which stays
 // within [-1, 1] where the chain rule through sqrt would leave nothing.
 

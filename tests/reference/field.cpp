@@ -24,22 +24,6 @@ double distance_to_segment(Vec a, Vec b, Vec p) {
   return length(p - (a + axis * s));
 }
 
-/// The hull is all the balls between the two; the nearest of them by golden sections, for the distance to
-/// a ball is convex in where it is.
-double distance_to_cone_sphere(const Leaf& leaf, Vec p) {
-  const auto to_ball = [&](double s) { return length(p - (leaf.a * (1 - s) + leaf.b * s)) - (leaf.r * (1 - s) + leaf.s * s); };
-  constexpr double k_golden = 0.6180339887498949;
-  double lo = 0, hi = 1, s = 1 - k_golden, t = k_golden, at_s = to_ball(s), at_t = to_ball(t);
-  for (int i = 0; i < 40; ++i) {
-    if (at_s < at_t) {
-      hi = t, t = s, at_t = at_s, s = hi - k_golden * (hi - lo), at_s = to_ball(s);
-    } else {
-      lo = s, s = t, at_s = at_t, t = lo + k_golden * (hi - lo), at_t = to_ball(t);
-    }
-  }
-  return std::max(0.0, std::min({at_s, at_t, to_ball(0), to_ball(1)}));
-}
-
 /// The nearest point of a circle lies in the plane of p and the axis.
 double distance_to_circle(const Leaf& leaf, Vec p, bool is_filled) {
   const Vec n = leaf.normal * (1 / length(leaf.normal)), q = p - leaf.a;
@@ -48,7 +32,103 @@ double distance_to_circle(const Leaf& leaf, Vec p, bool is_filled) {
   return std::sqrt(height * height + rim * rim);
 }
 
+/// The least of a function that is convex on [0, 1], by golden sections.
+template <class F>
+double least(const F& f) {
+  constexpr double k_golden = 0.6180339887498949;
+  double lo = 0, hi = 1, s = 1 - k_golden, t = k_golden, at_s = f(s), at_t = f(t);
+  for (int i = 0; i < 48; ++i) {
+    if (at_s < at_t) {
+      hi = t, t = s, at_t = at_s, s = hi - k_golden * (hi - lo), at_s = f(s);
+    } else {
+      lo = s, s = t, at_s = at_t, t = lo + k_golden * (hi - lo), at_t = f(t);
+    }
+  }
+  return std::min({at_s, at_t, f(0.0), f(1.0)});
+}
+
+/// The hull is all the balls between the two.
+double distance_to_cone_sphere(const Leaf& leaf, Vec p) {
+  return std::max(0.0, least([&](double s) { return length(p - (leaf.a * (1 - s) + leaf.b * s)) - (leaf.r * (1 - s) + leaf.s * s); }));
+}
+
+/// p seen from a solid of revolution: how far out from the axis, and how far along it.
+struct AroundAxis {
+  double out, along, length;
+
+  AroundAxis(const Leaf& leaf, Vec p) {
+    const Vec axis = leaf.b - leaf.a, q = p - leaf.a;
+    length = reference::length(axis);
+    const Vec e = length > 0 ? axis * (1 / length) : Vec{0, 1, 0};
+    along = dot(q, e), out = reference::length(q - e * along);
+  }
+};
+
+double distance_to_cone(const Leaf& leaf, Vec p) {
+  const AroundAxis q(leaf, p);
+  return least([&](double s) { return std::hypot(std::max(0.0, q.out - (leaf.r * (1 - s) + leaf.s * s)), q.along - s * q.length); });
+}
+
+/// The wall's sections across it, cut off at the axis.
+double distance_to_wall(const Leaf& leaf, Vec p) {
+  const AroundAxis q(leaf, p);
+  const double rise = leaf.s - leaf.r, slant = std::hypot(rise, q.length);
+  const double across = slant > 0 ? q.length / slant : 1, up = slant > 0 ? -rise / slant : 0;
+  return least([&](double s) {
+    const double out = leaf.r + s * rise, along = s * q.length, half = 0.5 * (leaf.r_thickness * (1 - s) + leaf.s_thickness * s);
+    const double low = across * half > out ? -out / across : -half;
+    const double t = std::clamp((q.out - out) * across + (q.along - along) * up, low, half);
+    return std::hypot(q.out - out - t * across, q.along - along - t * up);
+  });
+}
+
+double distance_to_arc(const Leaf& leaf, Vec p) {
+  const Vec n = leaf.normal * (1 / length(leaf.normal)), side = leaf.towards - n * dot(leaf.towards, n), t = side * (1 / length(side));
+  const Vec q = p - leaf.a, flat = q - n * dot(q, n);
+  const double x = dot(flat, t), y = length(flat - t * x), half = leaf.angle * std::acos(-1.0) / 360;
+  const double in_plane = std::atan2(y, x) <= half && half > 0 ? std::hypot(x, y) - leaf.r
+                                                               : std::hypot(x - leaf.r * std::cos(half), y - leaf.r * std::sin(half));
+  return std::hypot(in_plane, dot(q, n));
+}
+
+double distance_to_box(const Leaf& leaf, Vec p) {
+  const Vec n = leaf.normal * (1 / length(leaf.normal)), side = leaf.towards - n * dot(leaf.towards, n), t = side * (1 / length(side));
+  const Vec q = p - leaf.a;
+  const double x = std::abs(dot(q, t)), y = std::abs(dot(q, n)), z = length(q - n * dot(q, n) - t * dot(q, t));
+  const Vec out{std::max(0.0, x - leaf.size.x / 2), std::max(0.0, y - leaf.size.y / 2), std::max(0.0, z - leaf.size.z / 2)};
+  return length(out);
+}
+
+Vec cross(Vec a, Vec b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+
+/// Every hull is all the segments, triangles and tetrahedra between its points.
+double distance_to_hull(const std::vector<Vec>& v, Vec p) {
+  const size_t n = v.size();
+  double nearest = length(p - v[0]);
+  for (size_t i = 0; i < n; ++i)
+    for (size_t j = i + 1; j < n; ++j) {
+      nearest = std::min(nearest, distance_to_segment(v[i], v[j], p));
+      for (size_t k = j + 1; k < n; ++k) {
+        const Vec a = v[i] - p, b = v[j] - p, c = v[k] - p, m = cross(b - a, c - a);
+        const double area = length(m), size = std::max(length(b - a), length(c - a));
+        if (area <= 1e-12 * size * size) continue;
+        const bool is_over = dot(m, cross(b, c)) >= 0 && dot(m, cross(c, a)) >= 0 && dot(m, cross(a, b)) >= 0;
+        if (is_over) nearest = std::min(nearest, std::abs(dot(a, m)) / area);
+        for (size_t l = k + 1; l < n; ++l) { // p as a mean of the four corners, by Cramer's rule
+          const Vec d = v[l] - p;
+          const double whole = dot(d - a, m);
+          if (std::abs(whole) <= 1e-12 * area * length(d - a)) continue;
+          const double of_d = -dot(a, m) / whole, of_a = dot(b, cross(c, d)) / whole, of_b = -dot(a, cross(c, d)) / whole,
+                       of_c = dot(a, cross(b, d)) / whole;
+          if (of_a >= 0 && of_b >= 0 && of_c >= 0 && of_d >= 0) return 0;
+        }
+      }
+    }
+  return nearest;
+}
+
 double value(const Leaf& leaf, Vec p) {
+  if (!may_be_within(leaf, p, leaf.radius)) return 0;
   const double d = distance(leaf, p);
   return leaf.weight * falloff(leaf.falloff, d * d / (leaf.radius * leaf.radius));
 }
@@ -61,8 +141,21 @@ double distance(const Leaf& leaf, Vec p) {
   case Leaf::Shape::cone_sphere: return distance_to_cone_sphere(leaf, p);
   case Leaf::Shape::disc: return distance_to_circle(leaf, p, true);
   case Leaf::Shape::torus: return std::max(0.0, distance_to_circle(leaf, p, false) - leaf.s);
+  case Leaf::Shape::arc: return distance_to_arc(leaf, p);
+  case Leaf::Shape::cone: return distance_to_cone(leaf, p);
+  case Leaf::Shape::wall: return distance_to_wall(leaf, p);
+  case Leaf::Shape::box: return distance_to_box(leaf, p);
+  case Leaf::Shape::hull: return distance_to_hull(leaf.points, p);
   }
   return 0;
+}
+
+bool may_be_within(const Leaf& leaf, Vec p, double reach) {
+  if (leaf.shape != Leaf::Shape::hull) return distance(leaf, p) < reach;
+  double farthest = 0; // that of a whole hull is dear: its points lie in a ball around the first
+  for (const Vec& v : leaf.points) farthest = std::max(farthest, length(v - leaf.points[0]));
+  const double to_first = length(p - leaf.points[0]);
+  return to_first < reach || (to_first - farthest < reach && distance(leaf, p) < reach);
 }
 
 namespace {

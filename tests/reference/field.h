@@ -17,6 +17,11 @@ struct Leaf {
     cone_sphere, ///< the convex hull of the balls of radius r around a and s around b
     disc,        ///< of radius r around a, perpendicular to `normal`
     torus,       ///< the tube of radius s around the circle of radius r around a, perpendicular to `normal`
+    arc,         ///< `angle` of the circle of radius r around a, perpendicular to `normal`; its middle is `towards`
+    cone,        ///< all discs between that of radius r around a and that of radius s around b
+    wall,        ///< the same of circles, thickened across the line from one to the other by r_thickness to s_thickness
+    box,         ///< around a, of edges `size` along `towards`, along `normal`, and across both
+    hull,        ///< the convex hull of `points`; a is one of them
   };
   Vec a, b;
   double radius = 1, weight = 1;
@@ -24,10 +29,18 @@ struct Leaf {
   Shape shape = Shape::segment;
   double r = 0, s = 0;
   Vec normal{0, 1, 0};
+  Vec towards{1, 0, 0}; ///< what of it is perpendicular to `normal`
+  double angle = 0;     ///< in degrees
+  double r_thickness = 0, s_thickness = 0;
+  Vec size;
+  std::vector<Vec> points;
 };
 
 /// The distance from p to the solid of a leaf; 0 inside.
 double distance(const Leaf&, Vec p);
+
+/// Whether that is less than `reach`, or may be.
+bool may_be_within(const Leaf&, Vec p, double reach);
 
 struct Node;
 using NodePtr = std::shared_ptr<const Node>;

@@ -105,7 +105,7 @@ private:
     }
     double least = k_infinity;
     for (const Leaf& leaf : node.leaves)
-      if (distance(leaf, p) < leaf.radius + reach) least = std::min(least, leaf.radius);
+      if (may_be_within(leaf, p, leaf.radius + reach)) least = std::min(least, leaf.radius);
     for (const NodePtr& child : node.children) least = std::min(least, smallest_radius(*child, p, reach));
     return least;
   }

@@ -58,7 +58,10 @@ void randomise(T& member, const ParameterRules& rules, Random& r) {
     member = static_cast<T>(std::lround(r.in(rules.range)));
   else if constexpr (std::is_enum_v<T>)
     member = EnumNames<T>::values[r.below(static_cast<int>(EnumNames<T>::values.size()))].second;
-  else if constexpr (std::is_same_v<T, Vec3>)
+  else if constexpr (std::is_same_v<T, std::vector<Vec3>>) {
+    member.resize(1 + r.below(8));
+    for (Vec3& element : member) randomise(element, rules, r);
+  } else if constexpr (std::is_same_v<T, Vec3>)
     for (int i = 0; i < 3; ++i) member[i] = static_cast<float>(r.in(rules.range, reach));
 }
 
@@ -83,12 +86,25 @@ void make_special(Kind& kind, Random& r) {
   const auto one = [&](auto& member, const ParameterRules& rules) {
     if (rules.unit != Unit::length || rules.name == "radius") return;
     using T = std::decay_t<decltype(member)>;
+    const auto length = [&](float& x) {
+      x *= 0.4f;
+      if (rules.range.contains(0) && r.below(5) == 0) x = 0;
+      if (last_length && r.below(8) == 0) x = *last_length;
+      last_length = &x;
+    };
     if constexpr (std::is_same_v<T, float>) {
-      member *= 0.4f;
-      if (rules.range.contains(0) && r.below(5) == 0) member = 0;
-      if (last_length && r.below(8) == 0) member = *last_length;
-      last_length = &member;
+      length(member);
+    } else if constexpr (std::is_same_v<T, std::vector<Vec3>>) { // in a plane, at times, or some of them alike
+      const int flat = r.below(9);
+      for (Vec3& p : member) {
+        if (flat < 3) p[flat] = member[0][flat];
+        if (r.below(8) == 0) p = member[0];
+      }
     } else if constexpr (std::is_same_v<T, Vec3>) {
+      if (rules.range.lower == 0) { // a size
+        for (int i = 0; i < 3; ++i) length(member[i]);
+        return;
+      }
       if (last_place && r.below(8) == 0) member = *last_place + float(r.below(3)) * 0.02f * Vec3(r.direction());
       last_place = &member;
     }

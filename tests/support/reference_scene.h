@@ -52,6 +52,76 @@ inline reference::Leaf reference_of(const Torus<SampledMode>& k) {
           .normal = reference_of(k.normal)};
 }
 
+/// What all leaves have.
+template <class Kind>
+reference::Leaf reference_leaf(const Kind& k, reference::Leaf::Shape shape, const Vec3& a, const Vec3& b) {
+  return {.a = reference_of(a),
+          .b = reference_of(b),
+          .radius = k.radius,
+          .weight = k.weight,
+          .falloff = reference_of(k.falloff),
+          .shape = shape};
+}
+inline reference::Leaf reference_of(const Circle<SampledMode>& k) {
+  reference::Leaf leaf = reference_leaf(k, reference::Leaf::Shape::torus, k.centre, k.centre);
+  leaf.r = k.circle_radius, leaf.normal = reference_of(k.normal);
+  return leaf;
+}
+inline reference::Leaf reference_of(const Arc<SampledMode>& k) {
+  reference::Leaf leaf = reference_leaf(k, reference::Leaf::Shape::arc, k.centre, k.centre);
+  leaf.r = k.arc_radius, leaf.angle = k.angle, leaf.normal = reference_of(k.normal), leaf.towards = reference_of(k.towards);
+  return leaf;
+}
+inline reference::Leaf reference_of(const Cylinder<SampledMode>& k) {
+  reference::Leaf leaf = reference_leaf(k, reference::Leaf::Shape::cone, k.from, k.to);
+  leaf.r = leaf.s = k.cylinder_radius;
+  return leaf;
+}
+inline reference::Leaf reference_of(const Cone<SampledMode>& k) {
+  reference::Leaf leaf = reference_leaf(k, reference::Leaf::Shape::cone, k.from, k.to);
+  leaf.r = k.from_radius, leaf.s = k.to_radius;
+  return leaf;
+}
+inline reference::Leaf reference_of(const HollowCone<SampledMode>& k) {
+  reference::Leaf leaf = reference_leaf(k, reference::Leaf::Shape::wall, k.from, k.to);
+  leaf.r = k.from_radius, leaf.s = k.to_radius, leaf.r_thickness = k.from_thickness, leaf.s_thickness = k.to_thickness;
+  return leaf;
+}
+inline reference::Leaf reference_of(const Rectangle<SampledMode>& k) {
+  reference::Leaf leaf = reference_leaf(k, reference::Leaf::Shape::box, k.centre, k.centre);
+  leaf.normal = reference_of(k.normal), leaf.towards = reference_of(k.across), leaf.size = {k.width, 0, k.height};
+  return leaf;
+}
+inline reference::Leaf reference_of(const Box<SampledMode>& k) {
+  reference::Leaf leaf = reference_leaf(k, reference::Leaf::Shape::box, k.centre, k.centre);
+  leaf.normal = reference_of(k.axis), leaf.towards = reference_of(k.across), leaf.size = reference_of(k.size);
+  return leaf;
+}
+template <class Kind>
+reference::Leaf reference_hull(const Kind& k, const std::vector<Vec3>& points) {
+  reference::Leaf leaf = reference_leaf(k, reference::Leaf::Shape::hull, points[0], points[0]);
+  for (const Vec3& p : points) leaf.points.push_back(reference_of(p));
+  return leaf;
+}
+inline reference::Leaf reference_of(const Triangle<SampledMode>& k) { return reference_hull(k, {k.a, k.b, k.c}); }
+inline reference::Leaf reference_of(const Tetrahedron<SampledMode>& k) { return reference_hull(k, {k.a, k.b, k.c, k.d}); }
+inline reference::Leaf reference_of(const Polyhedron<SampledMode>& k) { return reference_hull(k, k.points); }
+/// The normal of a triangle that is a line: y, made perpendicular to it.
+inline reference::Vec reference_normal(const Prism<SampledMode>& k) {
+  const Vec3d a(k.a), b(k.b), c(k.c);
+  if (const Vec3d n = glm::cross(b - a, c - a); n != Vec3d(0)) return {n.x, n.y, n.z};
+  const Vec3d line = a != b ? b - a : c - a;
+  if (line == Vec3d(0)) return {0, 1, 0};
+  const Vec3d n = glm::cross(glm::cross(line, Vec3d(0, 1, 0)), line);
+  return n == Vec3d(0) ? reference::Vec{1, 0, 0} : reference::Vec{n.x, n.y, n.z};
+}
+inline reference::Leaf reference_of(const Prism<SampledMode>& k) {
+  reference::Leaf leaf = reference_hull(k, {k.a, k.b, k.c});
+  const reference::Vec n = reference_normal(k), half = n * (0.5 * k.thickness / length(n));
+  for (int i = 0; i < 3; ++i) leaf.points.push_back(leaf.points[i] - half), leaf.points[i] = leaf.points[i] + half;
+  return leaf;
+}
+
 /// Rodrigues' formula for the opposite angle, row by row.
 inline reference::Affine reference_inverse(const Rotate<SampledMode>& k) {
   const reference::Vec e = reference_of(k.axis) * (1 / length(reference_of(k.axis)));

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "field/falloff.h"
+#include "field/skeletons/solid_of_revolution.h"
+
+namespace kelpie {
+
+template <class Mode>
+struct Arc {
+  static constexpr std::string_view k_name = "arc";
+  static constexpr std::string_view k_doc = R"(The potential around an arc of a circle.
+
+    f(p) = weight * falloff(d(p)^2 / radius^2),   d the Euclidean distance to the arc
+
+The arc reaches `angle` / 2 to either side of its middle, which lies in the direction of `towards` from the centre. Where the
+arc is nearer than its ends d is the distance to the circle, elsewhere that to the nearer end: both are exact. An
+`angle` of 360 makes it a `circle`; 0, or `arc_radius` 0, a `point`. Not convex. Source: methods.md section 2, skeletons.)";
+
+  Value<Mode, Vec3> centre{Vec3(0)};
+  Value<Mode, Vec3> normal{Vec3(0, 1, 0)};
+  Value<Mode, Vec3> towards{Vec3(1, 0, 0)};
+  Value<Mode, float> arc_radius{1.f};
+  Value<Mode, float> angle{180.f};
+  Value<Mode, float> radius{1.f};
+  Value<Mode, float> weight{1.f};
+  Falloff falloff = Falloff::quartic;
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("centre", &Arc::centre, "the circle's centre").in(Unit::length).required(),
+        parameter("normal", &Arc::normal, "perpendicular to the circle; need not be a unit vector").nonzero(),
+        parameter("towards", &Arc::towards, "from the centre towards the arc's middle; only what is perpendicular to `normal` counts")
+            .nonzero(),
+        parameter("arc_radius", &Arc::arc_radius, "the circle's radius").in(Unit::length).at_least(0).required(),
+        parameter("angle", &Arc::angle, "from one end of the arc to the other").in(Unit::degrees).at_least(0).at_most(360).required(),
+        parameter("radius", &Arc::radius, "radius of influence, from the arc: the potential is 0 beyond it")
+            .in(Unit::length)
+            .above(0)
+            .required(),
+        parameter("weight", &Arc::weight, "the potential on the arc; negative carves"),
+        parameter("falloff", &Arc::falloff, "how the potential decreases"),
+    };
+  }
+
+  // Sampled:
+
+  /// That of the whole circle.
+  Box3 support() const { return frustum_support(centre, arc_radius, centre, arc_radius, radius, normal); }
+
+  template <class Real>
+  Real potential(const Point3<Real>& p) const {
+    const AxisFrame frame{Vec3d(centre), Vec3d(normal), Vec3d(towards)};
+    const Point3<Real> q = frame.local(p);
+    const Real y = max(q.y, -q.y); // the arc is the same on both sides
+    const double r = arc_radius, half = 0.5 * glm::radians(double(angle)), c = std::cos(half), s = std::sin(half);
+    const Real to_circle = square(norm(q.x, q.y) - Real(r)), to_end = square(q.x - Real(r * c)) + square(y - Real(r * s));
+    const Interval past_end = half > 0 ? range_of(c * y - s * q.x) : Interval{1}; // the sine of the angle, times a length
+    const Real d2 = square(q.z) + (past_end.lo > 0 ? to_end : past_end.hi <= 0 ? to_circle : either(to_end, to_circle));
+    return double(weight) * kelpie::falloff(falloff, d2 * (1 / square(double(radius))));
+  }
+};
+
+} // namespace kelpie

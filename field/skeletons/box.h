@@ -1,0 +1,63 @@
+#pragma once
+
+#include "field/falloff.h"
+#include "field/skeletons/frame.h"
+
+namespace kelpie {
+
+template <class Mode>
+struct Box {
+  static constexpr std::string_view k_name = "box";
+  static constexpr std::string_view k_doc = R"(The potential around a solid box: a block with soft edges.
+
+    f(p) = weight * falloff(d(p)^2 / radius^2),   d the Euclidean distance to the box, 0 inside it
+
+The distance is exact. Sizes of 0 make it a `rectangle`, a `segment` or a `point`. Source: methods.md section 2, skeletons.)";
+
+  Value<Mode, Vec3> centre{Vec3(0)};
+  Value<Mode, Vec3> size{Vec3(1)};
+  Value<Mode, Vec3> axis{Vec3(0, 1, 0)};
+  Value<Mode, Vec3> across{Vec3(1, 0, 0)};
+  Value<Mode, float> radius{1.f};
+  Value<Mode, float> weight{1.f};
+  Falloff falloff = Falloff::quartic;
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("centre", &Box::centre, "the box's centre").in(Unit::length).required(),
+        parameter("size", &Box::size, "its edges: across, along its axis, and perpendicular to both; or one number for all")
+            .in(Unit::length)
+            .at_least(0)
+            .or_number_for_all()
+            .required(),
+        parameter("axis", &Box::axis, "direction of its second edges; need not be a unit vector").nonzero(),
+        parameter("across", &Box::across, "direction of its first edges; only what is perpendicular to `axis` counts").nonzero(),
+        parameter("radius", &Box::radius, "radius of influence, from the box: the potential is 0 beyond it")
+            .in(Unit::length)
+            .above(0)
+            .required(),
+        parameter("weight", &Box::weight, "the potential in the box; negative carves"),
+        parameter("falloff", &Box::falloff, "how the potential decreases"),
+    };
+  }
+
+  // Sampled:
+
+  Box3 support() const {
+    const AxisFrame frame{Vec3d(centre), Vec3d(axis), Vec3d(across)};
+    const Vec3d half = 0.5 * Vec3d(size);
+    const Vec3d reach = glm::abs(frame.u) * half.x + glm::abs(frame.e) * half.y + glm::abs(frame.v) * half.z + double(radius);
+    return rounded_outward({Vec3d(centre) - reach, Vec3d(centre) + reach});
+  }
+
+  template <class Real>
+  Real potential(const Point3<Real>& p) const {
+    const AxisFrame frame{Vec3d(centre), Vec3d(axis), Vec3d(across)};
+    const Point3<Real> q = frame.local(p);
+    const Vec3d half = 0.5 * Vec3d(size);
+    const Real d2 = square(beyond(q.x, half.x)) + square(beyond(q.z, half.y)) + square(beyond(q.y, half.z));
+    return double(weight) * kelpie::falloff(falloff, d2 * (1 / square(double(radius))));
+  }
+};
+
+} // namespace kelpie

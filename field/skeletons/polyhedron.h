@@ -1,0 +1,46 @@
+#pragma once
+
+#include "field/falloff.h"
+#include "field/skeletons/convex_hull.h"
+
+namespace kelpie {
+
+template <class Mode>
+struct Polyhedron {
+  static constexpr std::string_view k_name = "polyhedron";
+  static constexpr std::string_view k_doc = R"(The potential around a solid convex polyhedron: the convex hull of points.
+
+    f(p) = weight * falloff(d(p)^2 / radius^2),   d the Euclidean distance to the hull, 0 inside it
+
+The points may come in any order, and move; those inside the hull of the others do not matter. The distance is exact. Points in a plane make a flat
+polygon, points on a line a `segment`. Time grows with the number of points. Source: methods.md section 2, skeletons.)";
+
+  std::vector<Value<Mode, Vec3>> points;
+  Value<Mode, float> radius{1.f};
+  Value<Mode, float> weight{1.f};
+  Falloff falloff = Falloff::quartic;
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("points", &Polyhedron::points, "the corners; each may be animated").in(Unit::length).required(),
+        parameter("radius", &Polyhedron::radius, "radius of influence, from the hull: the potential is 0 beyond it")
+            .in(Unit::length)
+            .above(0)
+            .required(),
+        parameter("weight", &Polyhedron::weight, "the potential in the hull; negative carves"),
+        parameter("falloff", &Polyhedron::falloff, "how the potential decreases"),
+    };
+  }
+
+  // Sampled:
+
+  Box3 support() const { return support_of_hull(points, radius); }
+
+  template <class Real>
+  Real potential(const Point3<Real>& p) const {
+    const Real d2 = squared_distance_to_hull(points, p);
+    return double(weight) * kelpie::falloff(falloff, d2 * (1 / square(double(radius))));
+  }
+};
+
+} // namespace kelpie

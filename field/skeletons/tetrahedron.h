@@ -1,0 +1,52 @@
+#pragma once
+
+#include "field/falloff.h"
+#include "field/skeletons/convex_hull.h"
+
+namespace kelpie {
+
+template <class Mode>
+struct Tetrahedron {
+  static constexpr std::string_view k_name = "tetrahedron";
+  static constexpr std::string_view k_doc = R"(The potential around a solid tetrahedron.
+
+    f(p) = weight * falloff(d(p)^2 / radius^2),   d the Euclidean distance to the tetrahedron, 0 inside it
+
+The distance is exact. Flat, it is a `triangle` or a quadrilateral; then a `segment`, and a `point`.
+Source: methods.md section 2, skeletons.)";
+
+  Value<Mode, Vec3> a{Vec3(0)};
+  Value<Mode, Vec3> b{Vec3(1, 0, 0)};
+  Value<Mode, Vec3> c{Vec3(0, 1, 0)};
+  Value<Mode, Vec3> d{Vec3(0, 0, 1)};
+  Value<Mode, float> radius{1.f};
+  Value<Mode, float> weight{1.f};
+  Falloff falloff = Falloff::quartic;
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("a", &Tetrahedron::a, "a corner").in(Unit::length).required(),
+        parameter("b", &Tetrahedron::b, "a corner").in(Unit::length).required(),
+        parameter("c", &Tetrahedron::c, "a corner").in(Unit::length).required(),
+        parameter("d", &Tetrahedron::d, "a corner").in(Unit::length).required(),
+        parameter("radius", &Tetrahedron::radius, "radius of influence, from the tetrahedron: the potential is 0 beyond it")
+            .in(Unit::length)
+            .above(0)
+            .required(),
+        parameter("weight", &Tetrahedron::weight, "the potential in the tetrahedron; negative carves"),
+        parameter("falloff", &Tetrahedron::falloff, "how the potential decreases"),
+    };
+  }
+
+  // Sampled:
+
+  Box3 support() const { return support_of_hull(std::array{a, b, c, d}, radius); }
+
+  template <class Real>
+  Real potential(const Point3<Real>& p) const {
+    const Real d2 = squared_distance_to_hull(std::array{a, b, c, d}, p);
+    return double(weight) * kelpie::falloff(falloff, d2 * (1 / square(double(radius))));
+  }
+};
+
+} // namespace kelpie

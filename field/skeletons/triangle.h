@@ -1,0 +1,52 @@
+#pragma once
+
+#include "field/falloff.h"
+#include "field/skeletons/triangle_plane.h"
+
+namespace kelpie {
+
+template <class Mode>
+struct Triangle {
+  static constexpr std::string_view k_name = "triangle";
+  static constexpr std::string_view k_doc = R"(The potential around a flat triangle.
+
+    f(p) = weight * falloff(d(p)^2 / radius^2),   d the Euclidean distance to the triangle
+
+The distance is exact. Corners on a line make it a `segment`, equal corners a `point`. With thickness it is a `prism`.
+Source: methods.md section 2, skeletons.)";
+
+  Value<Mode, Vec3> a{Vec3(0)};
+  Value<Mode, Vec3> b{Vec3(1, 0, 0)};
+  Value<Mode, Vec3> c{Vec3(0, 1, 0)};
+  Value<Mode, float> radius{1.f};
+  Value<Mode, float> weight{1.f};
+  Falloff falloff = Falloff::quartic;
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("a", &Triangle::a, "a corner").in(Unit::length).required(),
+        parameter("b", &Triangle::b, "a corner").in(Unit::length).required(),
+        parameter("c", &Triangle::c, "a corner").in(Unit::length).required(),
+        parameter("radius", &Triangle::radius, "radius of influence, from the triangle: the potential is 0 beyond it")
+            .in(Unit::length)
+            .above(0)
+            .required(),
+        parameter("weight", &Triangle::weight, "the potential on the triangle; negative carves"),
+        parameter("falloff", &Triangle::falloff, "how the potential decreases"),
+    };
+  }
+
+  // Sampled:
+
+  Box3 support() const { return TrianglePlane(a, b, c).support(0, radius); }
+
+  template <class Real>
+  Real potential(const Point3<Real>& p) const {
+    const TrianglePlane plane(a, b, c);
+    const Point3<Real> q = plane.frame.local(p);
+    const Real d2 = square(distance(plane.triangle, q.x, q.y)) + square(q.z);
+    return double(weight) * kelpie::falloff(falloff, d2 * (1 / square(double(radius))));
+  }
+};
+
+} // namespace kelpie
