@@ -29,6 +29,7 @@
 #include "field/skeletons/triangle.h"
 #include "field/warps/affine.h"
 #include "field/warps/bend.h"
+#include "field/warps/taper.h"
 #include "field/warps/twist.h"
 
 namespace kelpie {
@@ -64,7 +65,8 @@ using FieldFolderKinds = KindList< //
     Rotate,                        //
     Scale,                         //
     Twist,                         //
-    Bend>;
+    Bend,                          //
+    Taper>;
 
 // What a sampled kind can be asked, and so how the engine treats it:
 

@@ -19,7 +19,6 @@ struct Reserved {
 };
 
 inline constexpr std::array k_reserved{
-    Reserved{ReservedAs::kind, "field", "taper"},
     Reserved{ReservedAs::kind, "field", "axial"},
     Reserved{ReservedAs::kind, "surface", "glass"},
     Reserved{ReservedAs::key, "shape", "texture"},

@@ -1,6 +1,8 @@
 // What single kinds of field are, beyond what every kind is held to (conformance_test.cpp): the places that a
 // warp must move things to, and the simpler shapes that degenerate skeletons become.
+#include <functional>
 #include <numbers>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -46,6 +48,140 @@ TEST(Bend, ClosesARing) {
     const double turn = 2 * std::numbers::pi * i / 16;
     expect_near(bend.child_from_parent(Point3<double>{r - 0.5 * std::cos(turn), 0.5 * std::sin(turn), 0}), Vec3d(r - 0.5, 2 * i / 16.0, 0));
   }
+}
+
+TEST(Taper, NarrowsWhatLiesAcross) {
+  Taper<SampledMode> taper;
+  taper.centre = Vec3(1, 2, 3), taper.by = 0.5f, taper.length = 2;
+  expect_near(taper.parent_from_child(Point3<double>{2, 1, 3}), {2, 1, 3});
+  expect_near(taper.parent_from_child(Point3<double>{2, 3, 3}), {1.75, 3, 3});
+  expect_near(taper.parent_from_child(Point3<double>{2, 4, 5}), {1.5, 4, 4});
+  expect_near(taper.parent_from_child(Point3<double>{2, 9, 5}), {1.5, 9, 4});
+}
+
+// --- skeletons ---
+
+Vec3d random_place(std::mt19937& engine) {
+  std::uniform_real_distribution<> u(-1.5, 1.5);
+  return {u(engine), u(engine), u(engine)};
+}
+
+/// The largest difference of two skeletons at many places.
+template <class A, class B>
+double difference(const A& a, const B& b) {
+  std::mt19937 engine(1);
+  double most = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3d p = random_place(engine);
+    const Point3<double> at{p.x, p.y, p.z};
+    most = std::max(most, std::abs(a.potential(at) - b.potential(at)));
+  }
+  return most;
+}
+
+/// A kind with an influence of 1 whose shape is at hand.
+template <template <class> class Kind>
+Kind<SampledMode> skeleton(const std::function<void(Kind<SampledMode>&)>& set) {
+  Kind<SampledMode> kind;
+  kind.weight = 2;
+  set(kind);
+  return kind;
+}
+
+const Vec3 k_a(-0.3f, 0.1f, 0.4f), k_b(0.7f, -0.2f, 0.1f), k_c(0.2f, 0.8f, -0.5f), k_d(-0.4f, -0.6f, -0.3f);
+constexpr float k_tiny = 1e-6f; ///< a parameter that is nearly 0 makes nearly the simpler shape
+
+Segment<SampledMode> segment(const Vec3& from, const Vec3& to) {
+  return skeleton<Segment>([&](auto& k) { k.from = from, k.to = to; });
+}
+
+TEST(Skeletons, SolidsOfRevolutionDegenerate) {
+  const auto cylinder = [](float r, const Vec3& to = k_b) {
+    return skeleton<Cylinder>([&](auto& k) { k.from = k_a, k.to = to, k.cylinder_radius = r; });
+  };
+  const auto cone = [](float r, float s, const Vec3& to = k_b) {
+    return skeleton<Cone>([&](auto& k) { k.from = k_a, k.to = to, k.from_radius = r, k.to_radius = s; });
+  };
+  const auto wall = [](float r, float s, float thickness, const Vec3& to = k_b) {
+    return skeleton<HollowCone>(
+        [&](auto& k) { k.from = k_a, k.to = to, k.from_radius = r, k.to_radius = s, k.from_thickness = k.to_thickness = thickness; });
+  };
+  const auto disc = [](float r) { return skeleton<Disc>([&](auto& k) { k.centre = k_a, k.disc_radius = r; }); };
+  EXPECT_LT(difference(cylinder(0), segment(k_a, k_b)), 1e-9);
+  EXPECT_LT(difference(cylinder(k_tiny), segment(k_a, k_b)), 1e-5);
+  EXPECT_LT(difference(cylinder(0.5f, k_a), disc(0.5f)), 1e-9);
+  EXPECT_LT(difference(cylinder(0.5f, k_a + Vec3(0, k_tiny, 0)), disc(0.5f)), 1e-5);
+  EXPECT_LT(difference(cone(0.4f, 0.4f), cylinder(0.4f)), 1e-9);
+  EXPECT_LT(difference(cone(0.4f, 0.4f + k_tiny), cylinder(0.4f)), 1e-5);
+  EXPECT_LT(difference(cone(0, 0), segment(k_a, k_b)), 1e-9);
+  EXPECT_LT(difference(cone(0.3f, 0.5f, k_a), disc(0.5f)), 1e-9);
+  EXPECT_LT(difference(wall(0, 0, 0), segment(k_a, k_b)), 1e-9);
+  EXPECT_LT(difference(wall(0, 0, 0.6f), cylinder(0.3f)), 1e-7); // no hole is left
+  EXPECT_LT(difference(wall(0.2f, 0.2f, 0.4f), cylinder(0.4f)), 1e-7);
+  const auto circle = skeleton<Circle>([](auto& k) { k.centre = k_a, k.circle_radius = 0.5f; });
+  EXPECT_LT(difference(wall(0.5f, 0.5f, 0, k_a), circle), 1e-9);
+  EXPECT_LT(difference(wall(0.5f, 0.5f, k_tiny, k_a + Vec3(0, k_tiny, 0)), circle), 1e-5);
+}
+
+TEST(Skeletons, CirclesDegenerate) {
+  const auto arc = [](float r, float angle) {
+    return skeleton<Arc>([&](auto& k) { k.centre = k_a, k.normal = k_c, k.towards = k_b, k.arc_radius = r, k.angle = angle; });
+  };
+  const auto circle = [](float r) { return skeleton<Circle>([&](auto& k) { k.centre = k_a, k.normal = k_c, k.circle_radius = r; }); };
+  const auto torus = skeleton<Torus>([](auto& k) { k.centre = k_a, k.normal = k_c, k.major_radius = 0.6f; });
+  const Vec3d across = Vec3d(k_b) - Vec3d(k_c) * (glm::dot(Vec3d(k_b), Vec3d(k_c)) / glm::dot(Vec3d(k_c), Vec3d(k_c)));
+  const Vec3 middle(Vec3d(k_a) + 0.6 * glm::normalize(across));
+  EXPECT_LT(difference(circle(0.6f), torus), 1e-9);
+  EXPECT_LT(difference(circle(0), segment(k_a, k_a)), 1e-9);
+  EXPECT_LT(difference(arc(0.6f, 360), circle(0.6f)), 1e-9);
+  EXPECT_LT(difference(arc(0.6f, 360 - 1e-4f), circle(0.6f)), 1e-5);
+  EXPECT_LT(difference(arc(0.6f, 0), segment(middle, middle)), 1e-6);
+  EXPECT_LT(difference(arc(0.6f, 1e-4f), segment(middle, middle)), 1e-5);
+  EXPECT_LT(difference(arc(0, 100), segment(k_a, k_a)), 1e-9);
+}
+
+TEST(Skeletons, PolytopesDegenerate) {
+  const auto triangle = [](const Vec3& c) { return skeleton<Triangle>([&](auto& k) { k.a = k_a, k.b = k_b, k.c = c; }); };
+  const auto prism = [](const Vec3& c, float t) {
+    return skeleton<Prism>([&](auto& k) { k.a = k_a, k.b = k_b, k.c = c, k.thickness = t; });
+  };
+  const auto tetrahedron = [](const Vec3& d) { return skeleton<Tetrahedron>([&](auto& k) { k.a = k_a, k.b = k_b, k.c = k_c, k.d = d; }); };
+  const auto hull = [](std::vector<Vec3> points) { return skeleton<Polyhedron>([&](auto& k) { k.points = points; }); };
+  const auto box = [](const Vec3& size) {
+    return skeleton<Box>([&](auto& k) { k.centre = k_a, k.size = size, k.axis = k_b, k.across = k_c; });
+  };
+  const auto rectangle = [](float w, float h) {
+    return skeleton<Rectangle>([&](auto& k) { k.centre = k_a, k.normal = k_b, k.across = k_c, k.width = w, k.height = h; });
+  };
+  EXPECT_LT(difference(triangle(k_b), segment(k_a, k_b)), 1e-9);
+  EXPECT_LT(difference(triangle(0.5f * (k_a + k_b)), segment(k_a, k_b)), 1e-6);
+  EXPECT_LT(difference(prism(k_c, 0), triangle(k_c)), 1e-9);
+  EXPECT_LT(difference(prism(k_c, k_tiny), triangle(k_c)), 1e-5);
+  EXPECT_LT(difference(tetrahedron(k_a), triangle(k_c)), 1e-9);
+  EXPECT_LT(difference(tetrahedron(k_a + k_tiny), triangle(k_c)), 1e-5);
+  EXPECT_LT(difference(hull({k_a, k_b, k_c, k_d}), tetrahedron(k_d)), 1e-9);
+  EXPECT_LT(difference(hull({k_a, k_b, 0.5f * (k_a + k_b), k_c, k_b, 0.3f * (k_a + k_b + k_c) + 0.1f * k_d, k_d}), tetrahedron(k_d)), 1e-9);
+  EXPECT_LT(difference(hull({k_a}), segment(k_a, k_a)), 1e-9);
+  EXPECT_LT(difference(hull({k_a, k_b, k_a}), segment(k_a, k_b)), 1e-9);
+  EXPECT_LT(difference(box({0.6f, 0, 0.9f}), rectangle(0.6f, 0.9f)), 1e-9);
+  EXPECT_LT(difference(box({0.6f, k_tiny, 0.9f}), rectangle(0.6f, 0.9f)), 1e-5);
+  EXPECT_LT(difference(rectangle(0, 0), segment(k_a, k_a)), 1e-9);
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 8; ++i) corners.push_back(k_a + Vec3(i & 1 ? 0.3f : -0.3f, i & 2 ? 0.5f : -0.5f, i & 4 ? 0.1f : -0.1f));
+  const auto upright = skeleton<Box>([](auto& k) { k.centre = k_a, k.size = {0.6f, 1, 0.2f}; });
+  EXPECT_LT(difference(hull(corners), upright), 1e-6);
+  const auto one_way = [&](const Vec3& size, const Vec3& along) { return difference(box(size), segment(k_a - along, k_a + along)); };
+  EXPECT_LT(one_way({0, 1, 0}, 0.5f * glm::normalize(k_b)), 1e-6);
+}
+
+// A wall has a hole: inside it the potential falls off again.
+TEST(Skeletons, AHollowConeIsHollow) {
+  const auto tube =
+      skeleton<HollowCone>([](auto& k) { k.from_radius = k.to_radius = 0.8f, k.from_thickness = k.to_thickness = 0.1f, k.radius = 0.5f; });
+  EXPECT_EQ(tube.potential(Point3<double>{0, 0.5, 0}), 0);
+  EXPECT_EQ(tube.potential(Point3<double>{0.8, 0.5, 0}), 2);
+  EXPECT_EQ(tube.potential(Point3<double>{0.755, 0.5, 0}), 2);
+  EXPECT_LT(tube.potential(Point3<double>{0.745, 0.5, 0}), 2);
 }
 
 } // namespace

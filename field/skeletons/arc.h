@@ -12,9 +12,9 @@ struct Arc {
 
     f(p) = weight * falloff(d(p)^2 / radius^2),   d the Euclidean distance to the arc
 
-The arc reaches `angle` / 2 to either side of its middle, which lies in the direction of `towards` from the centre. Where the
-arc is nearer than its ends d is the distance to the circle, elsewhere that to the nearer end: both are exact. An
-`angle` of 360 makes it a `circle`; 0, or `arc_radius` 0, a `point`. Not convex. Source: methods.md section 2, skeletons.)";
+The arc reaches `angle` / 2 to either side of its middle, which lies in the direction of `towards` from the centre. Over
+the arc d is the distance to the circle, elsewhere that to the nearer end: both are exact. An `angle` of 360 makes it a
+`circle`; 0, or `arc_radius` 0, a `point`. Not convex. Source: methods.md section 2, skeletons.)";
 
   Value<Mode, Vec3> centre{Vec3(0)};
   Value<Mode, Vec3> normal{Vec3(0, 1, 0)};

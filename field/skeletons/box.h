@@ -12,7 +12,8 @@ struct Box {
 
     f(p) = weight * falloff(d(p)^2 / radius^2),   d the Euclidean distance to the box, 0 inside it
 
-The distance is exact. Sizes of 0 make it a `rectangle`, a `segment` or a `point`. Source: methods.md section 2, skeletons.)";
+The distance is exact. Sizes of 0 make it a `rectangle`, a `segment` or a `point`.
+Source: methods.md section 2, skeletons.)";
 
   Value<Mode, Vec3> centre{Vec3(0)};
   Value<Mode, Vec3> size{Vec3(1)};

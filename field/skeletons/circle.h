@@ -13,8 +13,8 @@ struct Circle {
     f(p) = weight * falloff(d(p)^2 / radius^2),   d the Euclidean distance to the circle
 
 With h the height above the circle's plane and r the distance from its axis, d^2 = h^2 + (r - circle_radius)^2. The
-distance is exact. `circle_radius` 0 makes it a `point`; a ring that is solid is a `torus`, a part of it an `arc`. Not convex. On the axis the
-potential has a crease, as the nearest point is not one. Source: methods.md section 2, skeletons.)";
+distance is exact. `circle_radius` 0 makes it a `point`; a ring that is solid is a `torus`, a part of it an `arc`. Not
+convex. On the axis the potential has a crease, as the nearest point is not one. Source: methods.md section 2, skeletons.)";
 
   Value<Mode, Vec3> centre{Vec3(0)};
   Value<Mode, Vec3> normal{Vec3(0, 1, 0)};

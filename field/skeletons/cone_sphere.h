@@ -64,7 +64,7 @@ template <class Mode>
 struct ConeSphere {
   static constexpr std::string_view k_name = "cone_sphere";
   static constexpr std::string_view k_doc =
-      R"(The potential around a solid cone-sphere: two balls and the cone that touches both, their convex hull.
+      R"(The potential around a solid cone-sphere: two balls and the cone that touches both. A capsule if they are equal.
 
     f(p) = weight * falloff(d(p)^2 / radius^2),   d the Euclidean distance to the solid, 0 inside it
 

@@ -12,8 +12,9 @@ struct Polyhedron {
 
     f(p) = weight * falloff(d(p)^2 / radius^2),   d the Euclidean distance to the hull, 0 inside it
 
-The points may come in any order, and move; those inside the hull of the others do not matter. The distance is exact. Points in a plane make a flat
-polygon, points on a line a `segment`. Time grows with the number of points. Source: methods.md section 2, skeletons.)";
+The points may come in any order, and move; those inside the hull of the others do not matter. The distance is exact.
+Points in a plane make a flat polygon, points on a line a `segment`. Time grows with the number of points.
+Source: methods.md section 2, skeletons.)";
 
   std::vector<Value<Mode, Vec3>> points;
   Value<Mode, float> radius{1.f};

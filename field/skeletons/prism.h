@@ -13,7 +13,8 @@ struct Prism {
     f(p) = weight * falloff(d(p)^2 / radius^2),   d the Euclidean distance to the prism, 0 inside it
 
 The thickness lies half on either side of the triangle's plane. The distance is exact. `thickness` 0 makes it a
-`triangle`; corners on a line make it a `rectangle` through that line, its thickness as near to y as may be. Source: methods.md section 2, skeletons (surface patches).)";
+`triangle`; corners on a line make it a `rectangle` through that line, its thickness as near to y as may be.
+Source: methods.md section 2, skeletons (surface patches).)";
 
   Value<Mode, Vec3> a{Vec3(0)};
   Value<Mode, Vec3> b{Vec3(1, 0, 0)};

@@ -12,7 +12,8 @@ struct Rectangle {
 
     f(p) = weight * falloff(d(p)^2 / radius^2),   d the Euclidean distance to the rectangle
 
-The distance is exact. A `width` or `height` of 0 makes it a `segment`, both a `point`. Source: methods.md section 2, skeletons.)";
+The distance is exact. A `width` or `height` of 0 makes it a `segment`, both a `point`.
+Source: methods.md section 2, skeletons.)";
 
   Value<Mode, Vec3> centre{Vec3(0)};
   Value<Mode, Vec3> normal{Vec3(0, 1, 0)};

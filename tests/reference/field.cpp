@@ -198,6 +198,12 @@ Vec untwisted(const Node& node, Vec p) {
   return node.centre + q * c + cross * s + e * (dot(e, q) * (1 - c));
 }
 
+Vec untapered(const Node& node, Vec p) {
+  const Vec e = node.axis * (1 / length(node.axis)), q = p - node.centre;
+  const double height = dot(q, e), part = std::clamp(height / node.length, 0.0, 1.0);
+  return node.centre + e * height + (q - e * height) * (1 / (1 - part + part * node.by));
+}
+
 Unbent unbent(const Node& node, Vec p) {
   const double infinity = std::numeric_limits<double>::infinity(), pi = std::acos(-1.0);
   if (node.angle == 0) return {p, infinity, infinity};
@@ -218,6 +224,7 @@ Unbent unbent(const Node& node, Vec p) {
 double value(const Node& node, Vec p, double threshold, bool is_below_blend) {
   using Kind = Node::Kind;
   if (node.kind == Kind::twist) return value(*node.children[0], untwisted(node, p), threshold, is_below_blend);
+  if (node.kind == Kind::taper) return value(*node.children[0], untapered(node, p), threshold, is_below_blend);
   if (node.kind == Kind::bend) return value(*node.children[0], unbent(node, p).p, threshold, is_below_blend);
   if (node.kind == Kind::warp) return value(*node.children[0], node.child_from_parent.point(p), threshold, is_below_blend);
   if (node.kind == Kind::leaves) {

@@ -60,22 +60,27 @@ struct Node {
     r_intersect,
     r_subtract,
     twist,
-    bend
+    bend,
+    taper
   };
   Kind kind = Kind::leaves;
   std::vector<Leaf> leaves;
   std::vector<NodePtr> children;
   Affine child_from_parent; ///< of a warp: f(p) = f_child(W^-1 p)
   double n = 1;             ///< of a hyper-blend
-  Vec centre, axis;         ///< of a twist or a bend
+  Vec centre, axis;         ///< of a twist, a bend or a taper
   double rate = 0;          ///< of a twist, in degrees a unit
-  double length = 0;        ///< how far along the axis a twist or bend acts; 0: everywhere
+  double length = 0;        ///< how far along the axis a warp acts; 0, of a twist: everywhere
   Vec towards;              ///< of a bend: the side of its bend axis, perpendicular to `axis`
   double angle = 0;         ///< of a bend, in degrees
+  double by = 1;            ///< of a taper: the factor at its end
 };
 
 /// Where p is for the child of a twist: turned back about the axis.
 Vec untwisted(const Node&, Vec p);
+
+/// Where p is for the child of a taper.
+Vec untapered(const Node&, Vec p);
 
 /// Where p is for the child of a bend, and how that changes with p.
 struct Unbent {

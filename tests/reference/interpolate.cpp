@@ -96,6 +96,13 @@ private:
       const double k = std::abs(node.rate) * std::acos(-1.0) / 180 * (from_axis + reach), stretch = 0.5 * (k + std::sqrt(k * k + 4));
       return smallest_radius(*node.children[0], untwisted(node, p), reach * stretch) / stretch;
     }
+    if (node.kind == Node::Kind::taper) { // across the axis by 1/s, along it by what 1/s changes, more the farther from it
+      const Vec q = p - node.centre;
+      const double along = dot(q, node.axis) / length(node.axis), from_axis = std::sqrt(std::max(0.0, dot(q, q) - along * along));
+      const double most = std::max(1.0, 1 / node.by), sheared = (from_axis + reach) * most * most * std::abs(node.by - 1) / node.length;
+      const double stretch = std::sqrt(most * most + 1 + sheared * sheared);
+      return smallest_radius(*node.children[0], untapered(node, p), reach * stretch) / stretch;
+    }
     if (node.kind == Node::Kind::bend) { // stretches the most near the bend axis; across the cut anything may follow
       const Unbent q = unbent(node, p);
       const double radius = q.to_axis < k_infinity ? node.length * 180 / (std::abs(node.angle) * std::acos(-1.0)) : 1;

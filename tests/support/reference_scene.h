@@ -168,6 +168,9 @@ inline reference::NodePtr reference_of(const SampledField& field, unsigned node)
         } else if constexpr (std::is_same_v<S, Twist<SampledMode>>) {
           out->kind = Kind::twist, out->centre = reference_of(k.centre), out->axis = reference_of(k.axis);
           out->rate = k.rate, out->length = k.length, out->children = {reference_of(field, k.child)};
+        } else if constexpr (std::is_same_v<S, Taper<SampledMode>>) {
+          out->kind = Kind::taper, out->centre = reference_of(k.centre), out->axis = reference_of(k.axis);
+          out->by = k.by, out->length = k.length, out->children = {reference_of(field, k.child)};
         } else if constexpr (std::is_same_v<S, Bend<SampledMode>>) {
           out->kind = Kind::bend, out->centre = reference_of(k.centre), out->axis = reference_of(k.axis);
           out->towards = reference_of(k.towards), out->angle = k.angle, out->length = k.length;

@@ -1,0 +1,65 @@
+#pragma once
+
+#include "base/box.h"
+#include "field/skeletons/frame.h"
+
+namespace kelpie {
+
+template <class Mode>
+struct Taper {
+  static constexpr std::string_view k_name = "taper";
+  static constexpr std::string_view k_doc = R"(Tapers its child along an axis: the farther along it, the thinner or the thicker.
+
+    f(p) = f_child(W^-1 p),   W multiplies what lies across the axis by s(h), h the height above `centre` along it
+
+s goes straight from 1 at `centre` to `by` at `length`; before and beyond it stays as it is there. Heights stay.
+Source: Barr 1984, "Global and local deformations of solid primitives"; methods.md section 2, warps.)";
+
+  Value<Mode, Vec3> axis{Vec3(0, 1, 0)};
+  Value<Mode, Vec3> centre{Vec3(0)};
+  Value<Mode, float> by{0.5f};
+  Value<Mode, float> length{1.f};
+  typename Mode::Child child{};
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("axis", &Taper::axis, "direction of the axis; need not be a unit vector").nonzero(),
+        parameter("centre", &Taper::centre, "the point on the axis where the taper begins").in(Unit::length),
+        parameter("by", &Taper::by, "the factor at its end").above(0).required(),
+        parameter("length", &Taper::length, "how far along the axis it acts").in(Unit::length).above(0).required(),
+        parameter("child", &Taper::child, "the field to taper").required(),
+    };
+  }
+
+  // Sampled:
+
+  template <class Real>
+  Point3<Real> child_from_parent(const Point3<Real>& p) const {
+    const AxisFrame frame{Vec3d(centre), Vec3d(axis)};
+    const Point3<Real> q = frame.local(p);
+    const Real s = factor(q.z);
+    return frame.global(Point3<Real>{q.x / s, q.y / s, q.z});
+  }
+  template <class Real>
+  Point3<Real> parent_from_child(const Point3<Real>& p) const {
+    const AxisFrame frame{Vec3d(centre), Vec3d(axis)};
+    const Point3<Real> q = frame.local(p);
+    const Real s = factor(q.z);
+    return frame.global(Point3<Real>{q.x * s, q.y * s, q.z});
+  }
+
+  /// A box around the image of a box.
+  Box3d image_of(const Box3d& box) const {
+    const Point3<Interval> r =
+        parent_from_child(Point3<Interval>{{box.lower.x, box.upper.x}, {box.lower.y, box.upper.y}, {box.lower.z, box.upper.z}});
+    return {Vec3d(r.x.lo, r.y.lo, r.z.lo), Vec3d(r.x.hi, r.y.hi, r.z.hi)};
+  }
+
+private:
+  template <class Real>
+  Real factor(const Real& height) const {
+    return Real(1.0) + clamp(height, 0, length) * ((double(by) - 1) / double(length));
+  }
+};
+
+} // namespace kelpie
