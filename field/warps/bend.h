@@ -151,7 +151,7 @@ private:
   /// What holds in any of the parts of space that a box meets.
   template <class Real>
   struct Pieces {
-    Point3<Real> all;
+    Point3<Real> all{};
     bool is_first = true;
 
     void add(const Point3<Real>& p) {
