@@ -42,7 +42,7 @@ using FieldFolderKinds = KindList< //
     Torus,                         //
     Circle,                        //
     Arc,                           //
-    Triangle,                      //
+    FlatTriangle,                  //
     Rectangle,                     //
     Box,                           //
     Cylinder,                      //

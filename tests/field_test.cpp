@@ -141,7 +141,7 @@ TEST(Skeletons, CirclesDegenerate) {
 }
 
 TEST(Skeletons, PolytopesDegenerate) {
-  const auto triangle = [](const Vec3& c) { return skeleton<Triangle>([&](auto& k) { k.a = k_a, k.b = k_b, k.c = c; }); };
+  const auto triangle = [](const Vec3& c) { return skeleton<FlatTriangle>([&](auto& k) { k.a = k_a, k.b = k_b, k.c = c; }); };
   const auto prism = [](const Vec3& c, float t) {
     return skeleton<Prism>([&](auto& k) { k.a = k_a, k.b = k_b, k.c = c, k.thickness = t; });
   };

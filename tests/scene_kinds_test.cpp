@@ -162,6 +162,17 @@ TEST(EveryParameter, ThatMayBeAnimatedTakesACurve) {
   });
 }
 
+TEST(Lists, OfPlacesMayMoveOneByOne) {
+  const SceneFolder folder;
+  const std::string hull = R"({"kind":"polyhedron","radius":1,"points":[[0,1,0],{"keys":[[1,[1,0,0]],[3,[3,0,0]]]},[0,0,2]]})";
+  const Place place = place_of("field", hull);
+  ASSERT_EQ(folder.errors(place.scene), "");
+  const FrameScene at = sample(folder.read(place.scene), 2);
+  const auto& points = std::get<Polyhedron<SampledMode>>(at.shapes[0].field.nodes[0]).points;
+  EXPECT_EQ(points, (std::vector<Vec3>{Vec3(0, 1, 0), Vec3(2, 0, 0), Vec3(0, 0, 2)}));
+  EXPECT_EQ(folder.errors(place.scene, {{place.path + ".points=[]"}, {}}), "--set " + place.path + ".points=[]: points may not be empty");
+}
+
 TEST(EveryKind, HasAPageThatTellsAll) {
   const std::string index = manual_index();
   for_everything([&](const auto& c) {

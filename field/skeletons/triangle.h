@@ -5,8 +5,9 @@
 
 namespace kelpie {
 
+/// (`Triangle` is that of meshes.)
 template <class Mode>
-struct Triangle {
+struct FlatTriangle {
   static constexpr std::string_view k_name = "triangle";
   static constexpr std::string_view k_doc = R"(The potential around a flat triangle.
 
@@ -24,15 +25,15 @@ Source: methods.md section 2, skeletons.)";
 
   static constexpr auto parameters() {
     return std::tuple{
-        parameter("a", &Triangle::a, "a corner").in(Unit::length).required(),
-        parameter("b", &Triangle::b, "a corner").in(Unit::length).required(),
-        parameter("c", &Triangle::c, "a corner").in(Unit::length).required(),
-        parameter("radius", &Triangle::radius, "radius of influence, from the triangle: the potential is 0 beyond it")
+        parameter("a", &FlatTriangle::a, "a corner").in(Unit::length).required(),
+        parameter("b", &FlatTriangle::b, "a corner").in(Unit::length).required(),
+        parameter("c", &FlatTriangle::c, "a corner").in(Unit::length).required(),
+        parameter("radius", &FlatTriangle::radius, "radius of influence, from the triangle: the potential is 0 beyond it")
             .in(Unit::length)
             .above(0)
             .required(),
-        parameter("weight", &Triangle::weight, "the potential on the triangle; negative carves"),
-        parameter("falloff", &Triangle::falloff, "how the potential decreases"),
+        parameter("weight", &FlatTriangle::weight, "the potential on the triangle; negative carves"),
+        parameter("falloff", &FlatTriangle::falloff, "how the potential decreases"),
     };
   }
 

@@ -32,8 +32,8 @@ struct Leaf {
   Vec towards{1, 0, 0}; ///< what of it is perpendicular to `normal`
   double angle = 0;     ///< in degrees
   double r_thickness = 0, s_thickness = 0;
-  Vec size;
-  std::vector<Vec> points;
+  Vec size{};
+  std::vector<Vec> points{};
 };
 
 /// The distance from p to the solid of a leaf; 0 inside.

@@ -103,7 +103,7 @@ reference::Leaf reference_hull(const Kind& k, const std::vector<Vec3>& points) {
   for (const Vec3& p : points) leaf.points.push_back(reference_of(p));
   return leaf;
 }
-inline reference::Leaf reference_of(const Triangle<SampledMode>& k) { return reference_hull(k, {k.a, k.b, k.c}); }
+inline reference::Leaf reference_of(const FlatTriangle<SampledMode>& k) { return reference_hull(k, {k.a, k.b, k.c}); }
 inline reference::Leaf reference_of(const Tetrahedron<SampledMode>& k) { return reference_hull(k, {k.a, k.b, k.c, k.d}); }
 inline reference::Leaf reference_of(const Polyhedron<SampledMode>& k) { return reference_hull(k, k.points); }
 /// The normal of a triangle that is a line: y, made perpendicular to it.
