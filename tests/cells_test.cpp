@@ -32,7 +32,8 @@ double tree_value(const TreeView& tree, const Vec3d& p, double threshold) {
         case TreeStep::Kind::maximum: result = std::max(result, *f); break;
         case TreeStep::Kind::minimum: result = std::min(result, *f); break;
         case TreeStep::Kind::difference: result = std::min(result, 2 * threshold - *f); break;
-        default: result += *f;
+        case TreeStep::Kind::sum: result += *f; break;
+        default: ADD_FAILURE() << "an R-function";
         }
       if (step.kind == TreeStep::Kind::difference) result = std::max(0.0, result);
       stack.erase(operands, stack.end());

@@ -152,7 +152,7 @@ private:
       to.insert(to.end(), from.begin(), from.end());
       return first;
     };
-    cell.content = Cell::Content::tree;
+    cell.content = Cell::Content::tree, cell.is_monotone = tree->is_monotone;
     cell.count = static_cast<uint32_t>(tree->steps.size()), cell.first = add(tree->steps, out.tree_steps);
     cell.leaf_count = tree->leaf_count, cell.leaves = add(tree->leaves, out.leaf_data);
     cell.space_count = static_cast<uint32_t>(tree->spaces.size());

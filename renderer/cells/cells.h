@@ -22,6 +22,7 @@ struct Cell {
   uint64_t first = 0;                   ///< into ShapeCells::leaf_data, ::tree_steps or ::steps
   float epsilon = 0;                    ///< offset of secondary rays along the normal: 1e-3 of the smallest radius of influence
   uint32_t leaf_count = 0;              ///< of a tree, padding included
+  bool is_monotone = true;              ///< of a tree: TreeView::is_monotone
   uint64_t leaves = 0;                  ///< of a tree: into ShapeCells::leaf_data
   uint32_t space_count = 0, spaces = 0; ///< of a tree: how many and where in ShapeCells::tree_spaces
 };
@@ -43,7 +44,7 @@ struct ShapeCells {
   }
   TreeView tree(const Cell& c) const {
     return {std::span(tree_steps).subspan(c.first, c.count), std::span(tree_spaces).subspan(c.spaces, c.space_count),
-            leaf_data.data() + c.leaves, c.leaf_count};
+            leaf_data.data() + c.leaves, c.leaf_count, c.is_monotone};
   }
   const float* blobs(const Cell& c) const { return leaf_data.data() + c.first; }
   size_t bytes() const;

@@ -18,15 +18,19 @@ constexpr double k_most_drift = 1;
 /// Steeper, the place of the nearest ball would drown in rounding; the distance hardly feels it.
 constexpr double k_steepest = 1e5;
 
-/// What an operator is in a tree, if it can be in one. Of R-functions only the sign is a maximum or minimum.
+/// What an operator is in a tree, if it can be in one. Where only the sign counts, R-functions are max and min.
 template <class Kind>
 std::optional<TreeStep::Kind> step_kind(Demand demand) {
   using M = SampledMode;
+  using Step = TreeStep::Kind;
   const bool is_sign = demand == Demand::sign;
-  if (std::is_same_v<Kind, Blend<M>>) return TreeStep::Kind::sum;
-  if (std::is_same_v<Kind, Union<M>> || (std::is_same_v<Kind, RUnion<M>> && is_sign)) return TreeStep::Kind::maximum;
-  if (std::is_same_v<Kind, Intersection<M>> || (std::is_same_v<Kind, RIntersection<M>> && is_sign)) return TreeStep::Kind::minimum;
-  if (std::is_same_v<Kind, Difference<M>> || (std::is_same_v<Kind, RDifference<M>> && is_sign)) return TreeStep::Kind::difference;
+  if (std::is_same_v<Kind, Blend<M>>) return Step::sum;
+  if (std::is_same_v<Kind, Union<M>>) return Step::maximum;
+  if (std::is_same_v<Kind, Intersection<M>>) return Step::minimum;
+  if (std::is_same_v<Kind, Difference<M>>) return Step::difference;
+  if (std::is_same_v<Kind, RUnion<M>>) return is_sign ? Step::maximum : Step::r_union;
+  if (std::is_same_v<Kind, RIntersection<M>>) return is_sign ? Step::minimum : Step::r_intersection;
+  if (std::is_same_v<Kind, RDifference<M>>) return is_sign ? Step::difference : Step::r_difference;
   return {};
 }
 
@@ -62,10 +66,14 @@ private:
     const std::optional<TreeStep::Kind> kind = step.kind == Instruction::Kind::combine ? kind_of(step) : TreeStep::Kind::sum;
     if (!kind) return false;
     if (*kind == TreeStep::Kind::sum) return emit_sum(position, depth, is_subtracted);
+    const bool subtracts = *kind == TreeStep::Kind::difference || *kind == TreeStep::Kind::r_difference;
+    const bool is_clamped = subtracts || *kind == TreeStep::Kind::r_union || *kind == TreeStep::Kind::r_intersection;
+    if (is_clamped && step.count == 1) return false; // the part above 0 of a lone operand
+    out_.is_monotone &= *kind != TreeStep::Kind::r_union;
     // Joined two by two, so that the stack stays low however many there are.
     uint32_t count = 0;
     for (const uint32_t operand : operands(step)) {
-      const bool flips = *kind == TreeStep::Kind::difference && count > 0;
+      const bool flips = subtracts && count > 0;
       if (!emit(operand, depth + (count > 0), is_subtracted != flips)) return false;
       if (count++ > 0) out_.steps.push_back({*kind, 0, 2, is_subtracted});
     }

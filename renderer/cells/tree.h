@@ -15,12 +15,13 @@ namespace kelpie {
 /// Lists of leaves are padded to whole groups of this many, so that any vector width reads them whole.
 inline constexpr uint32_t k_leaf_group = 16;
 
-/// One step of a tree in post-order: pushes the sum of some leaves, or joins what was pushed last.
+/// One step of a tree in post-order: pushes the sum of some leaves, or joins the two that were pushed last. The
+/// R-functions are those below a sum, in their localised form (field/operators/r_functions.h).
 struct TreeStep {
-  enum class Kind : uint32_t { leaves, sum, maximum, minimum, difference };
+  enum class Kind : uint32_t { leaves, sum, maximum, minimum, difference, r_union, r_intersection, r_difference };
   Kind kind = Kind::leaves;
   uint32_t first = 0; ///< of `leaves`: the first one
-  uint32_t count = 0; ///< leaves, or operands
+  uint32_t count = 0; ///< leaves, or 2
   /// The field falls where this rises: it stands below an odd number of subtractions.
   bool is_subtracted = false;
 };
@@ -70,6 +71,7 @@ struct TreeView {
   std::span<const TreeSpace> spaces;
   const float* leaves;
   size_t leaf_count; ///< with padding: leaves that are 0 everywhere
+  bool is_monotone;  ///< no R-union: steps rise, or fall, with each operand
 
   float row(LeafRow r, size_t i) const { return leaves[r * leaf_count + i]; }
   /// Whether the potential is positive where it is not 0.
@@ -84,7 +86,8 @@ struct Tree {
   std::vector<TreeStep> steps;
   std::vector<TreeSpace> spaces;
   std::vector<float> leaves; ///< by rows
-  uint32_t leaf_count = 0;   ///< with padding
+  bool is_monotone = true;
+  uint32_t leaf_count = 0; ///< with padding
 };
 
 /// How much the derivative of the map from the world to a space differs within a box, at most (Frobenius norm);

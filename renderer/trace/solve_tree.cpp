@@ -43,17 +43,46 @@ inline constexpr size_t k_stretches = 16;
 /// Each level is 16 times finer: finer than any float at the last.
 inline constexpr int k_most_levels = 7;
 
-/// Joins `count` values, the last one being top[-1], to one. For anything that has max, min and arithmetic.
-template <class T, class Max, class Min>
-T join(const TreeStep& step, const T* f, T twice_threshold, T zero, const Max& larger, const Min& smaller) {
-  T r = f[0];
-  for (uint32_t i = 1; i < step.count; ++i) switch (step.kind) {
-    case TreeStep::Kind::maximum: r = larger(r, f[i]); break;
-    case TreeStep::Kind::minimum: r = smaller(r, f[i]); break;
-    case TreeStep::Kind::difference: r = smaller(r, twice_threshold - f[i]); break;
-    default: r = r + f[i];
-    }
-  return step.kind == TreeStep::Kind::difference ? larger(zero, r) : r;
+/// A field and its gradient.
+struct FieldValue {
+  double f = 0;
+  Vec3d g{0};
+};
+
+/// Two fields joined. `b` is what is subtracted, as it is.
+inline FieldValue join(TreeStep::Kind kind, double threshold, const FieldValue& a, const FieldValue& b) {
+  using Kind = TreeStep::Kind;
+  const FieldValue rest{2 * threshold - b.f, -b.g};
+  const auto smaller = [](const FieldValue& x, const FieldValue& y) { return x.f < y.f ? x : y; };
+  const auto above_0 = [](const FieldValue& x) { return x.f > 0 ? x : FieldValue{}; };
+  const auto r_function = [&]<class Function>(Function, const FieldValue& x, const FieldValue& y) {
+    const FieldValue p = above_0(x), q = above_0(y);
+    const double s = p.f / threshold, t = q.f / threshold;
+    return FieldValue{threshold * Function::join(s, t), Function::slope(s, t) * p.g + Function::slope(t, s) * q.g};
+  };
+  switch (kind) {
+  case Kind::maximum: return a.f > b.f ? a : b;
+  case Kind::minimum: return smaller(a, b);
+  case Kind::difference: return above_0(smaller(a, rest));
+  case Kind::r_union: return r_function(r_function::Unite{}, a, b);
+  case Kind::r_intersection: return r_function(r_function::Intersect{}, a, b);
+  case Kind::r_difference: return r_function(r_function::Intersect{}, a, rest);
+  default: return {a.f + b.f, a.g + b.g};
+  }
+}
+/// Values alone.
+inline double join(TreeStep::Kind kind, double threshold, double a, double b) {
+  using Kind = TreeStep::Kind;
+  const auto in_units = [&](double f) { return std::max(0.0, f) / threshold; };
+  switch (kind) {
+  case Kind::maximum: return std::max(a, b);
+  case Kind::minimum: return std::min(a, b);
+  case Kind::difference: return std::max(0.0, std::min(a, 2 * threshold - b));
+  case Kind::r_union: return threshold * r_function::Unite::join(in_units(a), in_units(b));
+  case Kind::r_intersection: return threshold * r_function::Intersect::join(in_units(a), in_units(b));
+  case Kind::r_difference: return threshold * r_function::Intersect::join(in_units(a), in_units(2 * threshold - b));
+  default: return a + b;
+  }
 }
 
 } // namespace kelpie
@@ -65,9 +94,12 @@ namespace HWY_NAMESPACE {
 
 constexpr size_t k_vectors = k_stretches / k_width;
 
-/// 16 numbers.
+/// 16 numbers, or ranges.
 struct Row {
   V v[k_vectors];
+};
+struct Ranges {
+  Range v[k_vectors];
 };
 
 class TreeSolver {
@@ -113,14 +145,15 @@ private:
       for (size_t j = 0; j < k_width; ++j) ray_.is_active[i + j] = bits[j / 8] >> (j % 8) & 1;
     }
     if (!any && sign_ > 0) return false;
+    if (!tree_.is_monotone) return true;
     // What a leaf can be at most, 0 if it can only take away.
-    const float most = join_all(
-        [&](const TreeStep& step, size_t i) { return wants_upper(step) ? std::max(ray_.value[i], 0.f) : std::min(ray_.value[i], 0.f); });
+    const double most = join_all(
+        [&](const TreeStep& step, size_t i) { return wants_high(step) ? std::max(ray_.value[i], 0.f) : std::min(ray_.value[i], 0.f); });
     return sign_ * (most - threshold_) >= -1e-6f * threshold_;
   }
 
-  /// Whether the bound of g from above takes this step's from above.
-  bool wants_upper(const TreeStep& step) const { return step.is_subtracted == (sign_ < 0); }
+  bool wants_high(const TreeStep& step) const { return !tree_.is_monotone || step.is_subtracted == (sign_ < 0); }
+  bool wants_low(const TreeStep& step) const { return !tree_.is_monotone || step.is_subtracted != (sign_ < 0); }
 
   static V3 load(const std::vector<float>& x, const std::vector<float>& y, const std::vector<float>& z, size_t i) {
     return {hn::LoadU(k_lanes, &x[i]), hn::LoadU(k_lanes, &y[i]), hn::LoadU(k_lanes, &z[i])};
@@ -140,22 +173,19 @@ private:
 
   /// The field, where leaf i of a step yields leaf(step, i).
   template <class LeafValue>
-  float join_all(const LeafValue& leaf) const {
-    float stack[k_tree_depth + 1];
+  double join_all(const LeafValue& leaf) const {
+    double stack[k_tree_depth + 1];
     size_t depth = 0;
     for (const TreeStep& step : tree_.steps) {
-      if (step.kind == TreeStep::Kind::leaves) {
-        float sum = 0;
-        for (uint32_t i = step.first; i < step.first + step.count; ++i)
-          if (ray_.is_active[i]) sum += leaf(step, i);
-        stack[depth++] = sum;
+      if (step.kind != TreeStep::Kind::leaves) {
+        --depth;
+        stack[depth - 1] = join(step.kind, threshold_, stack[depth - 1], stack[depth]);
         continue;
       }
-      depth -= step.count;
-      const auto larger = [](float a, float b) { return std::max(a, b); };
-      const auto smaller = [](float a, float b) { return std::min(a, b); };
-      stack[depth] = join(step, stack + depth, 2 * threshold_, 0.f, larger, smaller);
-      ++depth;
+      double sum = 0;
+      for (uint32_t i = step.first; i < step.first + step.count; ++i)
+        if (ray_.is_active[i]) sum += leaf(step, i);
+      stack[depth++] = sum;
     }
     return stack[0];
   }
@@ -179,13 +209,13 @@ private:
       const Leaf leaf = Leaf::each(tree_, i);
       hn::StoreU(leaf.potential(square_of_positive(offset_of_leaves(leaf, i, place).distance())), k_lanes, &ray_.value[i]);
     }
-    return sign_ * (join_all([&](const TreeStep&, size_t i) { return ray_.value[i]; }) - threshold_);
+    return sign_ * static_cast<float>(join_all([&](const TreeStep&, size_t i) { return ray_.value[i]; }) - double(threshold_));
   }
 
   /// Whether g surely rises all the way from `from` to `to`: every leaf comes nearer that makes it rise, and none
   /// reaches that makes it fall. The distances being convex, `to` tells.
   bool is_rising(float from, float to) const {
-    if (sign_ < 0 || curves_.count() > 0) return false;
+    if (sign_ < 0 || curves_.count() > 0 || !tree_.is_monotone) return false;
     const V zero = hn::Zero(k_lanes), length = set(to - from);
     for (size_t i = 0; i < tree_.leaf_count; i += k_width) {
       const Leaf leaf = Leaf::each(tree_, i);
@@ -204,40 +234,24 @@ private:
   /// g in the middle of 16 stretches, and what it is at most within.
   void sample(const Row& places, const Row& halves, float* g, float* most) const {
     work_.evaluations += k_stretches;
-    Row value[k_tree_depth + 1], bound[k_tree_depth + 1];
+    Ranges stack[k_tree_depth + 1];
     Curve curves[k_tree_spaces];
     find_curves(places, curves);
     size_t depth = 0;
     for (const TreeStep& step : tree_.steps) {
       if (step.kind == TreeStep::Kind::leaves) {
-        add_leaves(step, places, halves, curves, value[depth], bound[depth]);
-        ++depth;
+        add_leaves(step, places, halves, curves, stack[depth++]);
         continue;
       }
-      depth -= step.count;
-      for (size_t j = 0; j < k_vectors; ++j) join_lanes(step, value + depth, j), join_lanes(step, bound + depth, j);
-      ++depth;
+      --depth;
+      for (size_t j = 0; j < k_vectors; ++j) stack[depth - 1].v[j] = join(step.kind, threshold_, stack[depth - 1].v[j], stack[depth].v[j]);
     }
     const V t = set(threshold_), sign = set(sign_);
     for (size_t j = 0; j < k_vectors; ++j) {
-      hn::Store(hn::Mul(sign, hn::Sub(value[0].v[j], t)), k_lanes, g + j * k_width);
-      hn::Store(hn::Mul(sign, hn::Sub(bound[0].v[j], t)), k_lanes, most + j * k_width);
+      const Range& f = stack[0].v[j];
+      hn::Store(hn::Mul(sign, hn::Sub(f.value, t)), k_lanes, g + j * k_width);
+      hn::Store(hn::Mul(sign, hn::Sub(sign_ > 0 ? f.high : f.low, t)), k_lanes, most + j * k_width);
     }
-  }
-
-  void join_lanes(const TreeStep& step, Row* f, size_t j) const {
-    V r = f[0].v[j];
-    const V twice = set(2 * threshold_);
-    for (uint32_t i = 1; i < step.count; ++i) {
-      const V x = f[i].v[j];
-      switch (step.kind) {
-      case TreeStep::Kind::maximum: r = hn::Max(r, x); break;
-      case TreeStep::Kind::minimum: r = hn::Min(r, x); break;
-      case TreeStep::Kind::difference: r = hn::Min(r, hn::Sub(twice, x)); break;
-      default: r = hn::Add(r, x);
-      }
-    }
-    f[0].v[j] = step.kind == TreeStep::Kind::difference ? hn::Max(r, hn::Zero(k_lanes)) : r;
   }
 
   /// Places and velocities in a warped space.
@@ -261,8 +275,9 @@ private:
       }
   }
 
-  void add_leaves(const TreeStep& step, const Row& places, const Row& halves, const Curve* curves, Row& value, Row& bound) const {
-    for (size_t j = 0; j < k_vectors; ++j) value.v[j] = bound.v[j] = hn::Zero(k_lanes);
+  void add_leaves(const TreeStep& step, const Row& places, const Row& halves, const Curve* curves, Ranges& sum) const {
+    const V zero = hn::Zero(k_lanes);
+    for (Range& range : sum.v) range = {zero, zero, zero};
     for (uint32_t i = step.first; i < step.first + step.count; ++i) {
       if (!ray_.is_active[i]) continue;
       const auto row = [&](uint32_t r) { return set(tree_.leaves[r * tree_.leaf_count + i]); };
@@ -270,17 +285,12 @@ private:
       const V drift = row(leaf_drift);
       const V3 p{set(ray_.x0[i]), set(ray_.y0[i]), set(ray_.z0[i])}, v{set(ray_.x1[i]), set(ray_.y1[i]), set(ray_.z1[i])};
       const auto slot = static_cast<size_t>(tree_.row(leaf_space, i));
-      const bool wants_nearest = wants_upper(step) == tree_.is_positive(i);
       for (size_t j = 0; j < k_vectors; ++j) {
         const V s = places.v[j];
         const V3 place = slot == 0 ? V3{hn::MulAdd(v.x, s, p.x), hn::MulAdd(v.y, s, p.y), hn::MulAdd(v.z, s, p.z)}
                                    : place_in_frame(row, curves[slot - 1].place[j]);
         const V3 velocity = slot == 0 ? v : velocity_in_frame(row, curves[slot - 1].velocity[j]);
-        const Offset offset(leaf, place);
-        value.v[j] = hn::Add(value.v[j], leaf.potential(square_of_positive(offset.distance())));
-        const V extreme =
-            wants_nearest ? offset.least(velocity, drift, halves.v[j]) : most_distance(leaf, place, velocity, drift, halves.v[j]);
-        bound.v[j] = hn::Add(bound.v[j], leaf.potential(square_of_positive(extreme)));
+        add_leaf(leaf, tree_.is_positive(i), wants_low(step), wants_high(step), place, velocity, drift, halves.v[j], sum.v[j]);
       }
     }
   }
@@ -408,30 +418,20 @@ Vec3 TreeGradient(const ShapeCells& shape, const Cell& cell, const Vec3& place) 
     for (uint32_t c = 0; c < 3; ++c) hn::StoreU(component(c), k_lanes, &leaves[c + 1][i]);
   }
 
-  struct Value {
-    float f;
-    Vec3 g;
-    Value operator-(const Value& b) const { return {f - b.f, g - b.g}; }
-    Value operator+(const Value& b) const { return {f + b.f, g + b.g}; }
-  };
-  const auto larger = [](const Value& a, const Value& b) { return a.f > b.f ? a : b; };
-  const auto smaller = [](const Value& a, const Value& b) { return a.f < b.f ? a : b; };
-  std::array<Value, k_tree_depth + 1> stack;
+  std::array<FieldValue, k_tree_depth + 1> stack;
   size_t depth = 0;
   for (const TreeStep& step : tree.steps) {
-    if (step.kind == TreeStep::Kind::leaves) {
-      Value sum{0, Vec3(0)};
-      for (uint32_t i = step.first; i < step.first + step.count; ++i)
-        sum = sum + Value{leaves[0][i], spaces.in_world(tree.row(leaf_space, i), Vec3(leaves[1][i], leaves[2][i], leaves[3][i]))};
-      stack[depth++] = sum;
+    if (step.kind != TreeStep::Kind::leaves) {
+      --depth;
+      stack[depth - 1] = join(step.kind, shape.program.threshold, stack[depth - 1], stack[depth]);
       continue;
     }
-    depth -= step.count;
-    const Value twice{2 * static_cast<float>(shape.program.threshold), Vec3(0)};
-    stack[depth] = join(step, stack.data() + depth, twice, Value{0, Vec3(0)}, larger, smaller);
-    ++depth;
+    FieldValue sum;
+    for (uint32_t i = step.first; i < step.first + step.count; ++i)
+      sum.f += leaves[0][i], sum.g += Vec3d(spaces.in_world(tree.row(leaf_space, i), Vec3(leaves[1][i], leaves[2][i], leaves[3][i])));
+    stack[depth++] = sum;
   }
-  return stack[0].g;
+  return Vec3(stack[0].g);
 }
 
 } // namespace HWY_NAMESPACE

@@ -68,7 +68,7 @@ public:
     keep_rays(o, d, middle);
     const V most = set_up(m, d);
     hit = unsure = no_lanes();
-    live_ = hn::And(live_, hn::Ge(most, set(threshold_ * (1 - 1e-6f))));
+    if (tree_.is_monotone) live_ = hn::And(live_, hn::Ge(most, set(threshold_ * (1 - 1e-6f))));
     if (none(live_)) return;
     V root;
     march(hn::Sub(enough, middle), hit, root);
@@ -117,9 +117,8 @@ private:
     for (const TreeStep& step : tree_.steps) {
       TreeStep& left = lanes_.steps.emplace_back(step);
       if (step.kind != TreeStep::Kind::leaves) {
-        depth -= step.count;
-        join_lanes(step, stack + depth);
-        ++depth;
+        --depth;
+        stack[depth - 1] = join(step.kind, threshold_, stack[depth - 1], stack[depth]);
         continue;
       }
       left.first = static_cast<uint32_t>(lanes_.leaves.size());
@@ -152,44 +151,31 @@ private:
     return hn::IfThenElseZero(reaches, peak);
   }
 
-  void join_lanes(const TreeStep& step, V* f) const {
-    const V twice = set(2 * threshold_);
-    for (uint32_t i = 1; i < step.count; ++i) switch (step.kind) {
-      case TreeStep::Kind::maximum: f[0] = hn::Max(f[0], f[i]); break;
-      case TreeStep::Kind::minimum: f[0] = hn::Min(f[0], f[i]); break;
-      case TreeStep::Kind::difference: f[0] = hn::Min(f[0], hn::Sub(twice, f[i])); break;
-      default: f[0] = hn::Add(f[0], f[i]);
-      }
-    if (step.kind == TreeStep::Kind::difference) f[0] = hn::Max(f[0], hn::Zero(k_lanes));
-  }
-
   /// g = f - T in the middle of each lane's stretch, and what it is at most within.
   void evaluate(V s, V h, V& g, V& most) const {
     work_.evaluations += hn::CountTrue(k_lanes, live_);
     find_curves(s);
-    V value[k_tree_depth + 1], bound[k_tree_depth + 1];
+    const V zero = hn::Zero(k_lanes);
+    Range stack[k_tree_depth + 1];
     size_t depth = 0;
     for (const TreeStep& step : lanes_.steps) {
-      if (step.kind == TreeStep::Kind::leaves) {
-        V sum = hn::Zero(k_lanes), extreme = hn::Zero(k_lanes);
-        for (uint32_t j = step.first; j < step.first + step.count; ++j) add_leaf(j, s, h, !step.is_subtracted, sum, extreme);
-        value[depth] = sum, bound[depth++] = extreme;
+      if (step.kind != TreeStep::Kind::leaves) {
+        --depth;
+        stack[depth - 1] = join(step.kind, threshold_, stack[depth - 1], stack[depth]);
         continue;
       }
-      depth -= step.count;
-      join_lanes(step, value + depth), join_lanes(step, bound + depth);
+      stack[depth] = {zero, zero, zero};
+      for (uint32_t j = step.first; j < step.first + step.count; ++j) add(j, step.is_subtracted, s, h, stack[depth]);
       ++depth;
     }
-    g = hn::Sub(value[0], set(threshold_)), most = hn::Sub(bound[0], set(threshold_));
+    g = hn::Sub(stack[0].value, set(threshold_)), most = hn::Sub(stack[0].high, set(threshold_));
   }
 
-  void add_leaf(uint32_t j, V s, V h, bool wants_upper, V& sum, V& extreme) const {
+  void add(uint32_t j, bool is_subtracted, V s, V h, Range& sum) const {
     const uint32_t i = lanes_.leaves[j];
     const float* frame = lanes_.frames.get() + 6 * k_width * j;
     const auto frame_row = [&](size_t r) { return hn::Load(k_lanes, frame + r * k_width); };
     const auto row = [&](uint32_t r) { return set(tree_.leaves[r * tree_.leaf_count + i]); };
-    const Leaf leaf = Leaf::all(tree_, i);
-    const bool wants_nearest = wants_upper == tree_.is_positive(i);
     const auto slot = static_cast<size_t>(tree_.row(leaf_space, i));
     const V3 p{frame_row(0), frame_row(1), frame_row(2)}, v{frame_row(3), frame_row(4), frame_row(5)};
     V3 place{hn::MulAdd(v.x, s, p.x), hn::MulAdd(v.y, s, p.y), hn::MulAdd(v.z, s, p.z)}, velocity = v;
@@ -197,11 +183,8 @@ private:
       place = place_in_frame(row, found_[slot - 1].place), velocity = velocity_in_frame(row, found_[slot - 1].velocity);
       place.x = hn::Add(place.x, p.x);
     }
-    const Offset offset(leaf, place);
-    sum = hn::Add(sum, leaf.potential(square_of_positive(offset.distance())));
-    const V drift = row(leaf_drift);
-    const V bound = wants_nearest ? offset.least(velocity, drift, h) : most_distance(leaf, place, velocity, drift, h);
-    extreme = hn::Add(extreme, leaf.potential(square_of_positive(bound)));
+    const bool wants_low = !tree_.is_monotone || is_subtracted, wants_high = !tree_.is_monotone || !is_subtracted;
+    add_leaf(Leaf::all(tree_, i), tree_.is_positive(i), wants_low, wants_high, place, velocity, row(leaf_drift), h, sum);
   }
 
   void march(V enough, M& hit, V& root) {

@@ -13,6 +13,11 @@ HWY_BEFORE_NAMESPACE();
 namespace kelpie {
 namespace HWY_NAMESPACE {
 
+inline V square_of_positive(V v) {
+  const V p = hn::Max(v, hn::Zero(k_lanes));
+  return hn::Mul(p, p);
+}
+
 /// A place or a velocity in the frame of a leaf whose numbers are row(r).
 template <class Row>
 V3 place_in_frame(const Row& row, const V3& p) {
@@ -81,9 +86,67 @@ inline V most_distance(const Leaf& leaf, const V3& p, const V3& v, V drift, V h)
   return hn::MulAdd(drift, h, hn::Max(end(h), end(hn::Neg(h))));
 }
 
-inline V square_of_positive(V v) {
-  const V p = hn::Max(v, hn::Zero(k_lanes));
-  return hn::Mul(p, p);
+/// The localised R-functions as in field/operators/r_functions.h, of fields in units of the threshold.
+struct RFunctions {
+  static V norm(V a, V b) {
+    const V x = hn::Sub(a, set(1)), y = hn::Sub(b, set(1));
+    return hn::Sqrt(hn::MulAdd(x, x, hn::Mul(y, y)));
+  }
+  static V u(V a, V b) { return hn::MulAdd(hn::Add(hn::Sub(hn::Add(a, b), set(2)), norm(a, b)), set(1.7071067811865475f), set(1)); }
+  static V r(V a, V b) { return hn::MulAdd(hn::Sub(hn::Sub(hn::Add(a, b), set(2)), norm(a, b)), set(0.2928932188134525f), set(1)); }
+  static V k(V f) { return square_of_positive(hn::Sub(set(1), f)); }
+  static V rest(V f) { return hn::Sub(f, u(hn::Zero(k_lanes), f)); }
+  static V unite(V a, V b) { return hn::MulAdd(k(a), rest(b), hn::MulAdd(k(b), rest(a), u(a, b))); }
+  static V intersect(V a, V b) {
+    return hn::NegMulAdd(k(a), r(hn::Zero(k_lanes), b), hn::NegMulAdd(k(b), r(a, hn::Zero(k_lanes)), r(a, b)));
+  }
+};
+
+/// Two fields joined. `b` is what is subtracted, as it is.
+inline V join(TreeStep::Kind kind, float threshold, V a, V b) {
+  const V zero = hn::Zero(k_lanes), units = set(1 / threshold), t = set(threshold);
+  const auto in_units = [&](V f) { return hn::Mul(hn::Max(f, zero), units); };
+  switch (kind) {
+  case TreeStep::Kind::maximum: return hn::Max(a, b);
+  case TreeStep::Kind::minimum: return hn::Min(a, b);
+  case TreeStep::Kind::difference: return hn::Max(zero, hn::Min(a, hn::Sub(set(2 * threshold), b)));
+  case TreeStep::Kind::r_union: return hn::Mul(t, RFunctions::unite(in_units(a), in_units(b)));
+  case TreeStep::Kind::r_intersection: return hn::Mul(t, RFunctions::intersect(in_units(a), in_units(b)));
+  case TreeStep::Kind::r_difference: return hn::Mul(t, RFunctions::intersect(in_units(a), in_units(hn::Sub(set(2 * threshold), b))));
+  default: return hn::Add(a, b);
+  }
+}
+
+/// A field at a place, and its bounds around it; of these only those that the tree asks for are meant.
+struct Range {
+  V value, low, high;
+};
+
+/// Every step rises with its operands, or falls with what it subtracts; but the R-union falls a little in places,
+/// with a slope of -0.1664 at most.
+inline Range join(TreeStep::Kind kind, float threshold, const Range& a, const Range& b) {
+  const bool subtracts = kind == TreeStep::Kind::difference || kind == TreeStep::Kind::r_difference;
+  Range r{join(kind, threshold, a.value, b.value), join(kind, threshold, a.low, subtracts ? b.high : b.low),
+          join(kind, threshold, a.high, subtracts ? b.low : b.high)};
+  if (kind == TreeStep::Kind::r_union) {
+    const V zero = hn::Zero(k_lanes);
+    const auto width = [&](const Range& f) { return hn::Sub(hn::Max(f.high, zero), hn::Max(f.low, zero)); };
+    const V slack = hn::Mul(set(0.167f), hn::Add(width(a), width(b)));
+    r.low = hn::Sub(r.low, slack), r.high = hn::Add(r.high, slack);
+  }
+  return r;
+}
+
+/// Adds a leaf at a place with a velocity, and its bounds on the stretch h either way, to a sum.
+inline void add_leaf(const Leaf& leaf, bool is_positive, bool wants_low, bool wants_high, const V3& place, const V3& velocity, V drift, V h,
+                     Range& sum) {
+  const Offset offset(leaf, place);
+  sum.value = hn::Add(sum.value, leaf.potential(square_of_positive(offset.distance())));
+  const bool wants_nearest = is_positive ? wants_high : wants_low, wants_farthest = is_positive ? wants_low : wants_high;
+  V &with_nearest = is_positive ? sum.high : sum.low, &with_farthest = is_positive ? sum.low : sum.high;
+  if (wants_nearest) with_nearest = hn::Add(with_nearest, leaf.potential(square_of_positive(offset.least(velocity, drift, h))));
+  if (wants_farthest)
+    with_farthest = hn::Add(with_farthest, leaf.potential(square_of_positive(most_distance(leaf, place, velocity, drift, h))));
 }
 
 } // namespace HWY_NAMESPACE
