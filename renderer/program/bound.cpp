@@ -73,19 +73,26 @@ private:
 Interval bound_blobs(const FieldProgram& program, std::span<const uint32_t> list, Instruction& step, const Box3d& box,
                      std::vector<uint32_t>& out) {
   const size_t first = out.size();
+  step.first = static_cast<uint32_t>(first);
+  if (list.empty()) return 0.0;
   size_t count = 0;
   out.resize(first + list.size() + k_blob_bound_slack);
   const Interval range =
       bound_blob_sum(program.blobs, list, Vec3(box.centre()), Vec3(box.extent() * 0.5) * (1 + 1e-6f), out.data() + first, count);
   out.resize(first + count);
-  step.first = static_cast<uint32_t>(first), step.count = static_cast<uint32_t>(count);
+  step.count = static_cast<uint32_t>(count);
   return count == 0 ? Interval{0} : range;
 }
+
+Point3<Interval> value_of(const Point3<Variable>& p) { return {p.x.value, p.y.value, p.z.value}; }
 
 template <class Kind>
 Interval bound_skeleton(const Kind& kind, const LocalBox& at) {
   const Box3d support{Vec3d(kind.support().lower), Vec3d(kind.support().upper)};
   if (intersect(support, at.box).is_empty()) return 0.0;
+  // In a box that is larger than the leaf's influence slopes say nothing that the range does not.
+  if constexpr (requires { kind.radius; })
+    if (std::min({at.half.x, at.half.y, at.half.z}) > kind.radius) return kind.potential(value_of(at.p));
   const Variable f = kind.potential(at.p);
   const double at_centre = kind.potential(Point3<double>{at.centre.x, at.centre.y, at.centre.z});
   const double reach = f.d[0].magnitude() * at.half.x + f.d[1].magnitude() * at.half.y + f.d[2].magnitude() * at.half.z;
