@@ -70,17 +70,22 @@ using FieldFolderKinds = KindList< //
 
 // What a sampled kind can be asked, and so how the engine treats it:
 
-/// Yields blobs: `void append_blobs(BlobCloud&) const`.
+/// Yields blobs: `void append_blobs(BlobCloud&) const`. If their number or order depends on its parameters it has
+/// `append_parts` too: the same field of as many blobs, in the same order, whatever these are.
 template <class K>
 concept BlobSource = requires(const K k, BlobCloud out) {
   k.append_blobs(out);
 };
-/// A leaf: `Box3 support()`, and `Real potential(Point3<Real>)` for double, Interval and Dual.
+/// A leaf: `Box3 support()`, `Real potential(Point3<Real>)` for double, Interval and Dual, and `double
+/// displacement_from(other)`: how far its solid moves between two states, and any two states whose numbers are
+/// interpolated linearly between theirs (the Hausdorff distance; a bound will do). The potential is weight *
+/// falloff(d^2 / radius^2), d the distance to the solid.
 template <class K>
 concept Skeleton = requires(const K k, Point3<double> p, Point3<Interval> b) {
   k.support();
   k.potential(p);
   k.potential(b);
+  k.displacement_from(k);
 };
 /// A skeleton whose potential is weight * falloff(d^2/radius^2) of the distance to a cone-sphere:
 /// `ConeSphereSolid solid()`.
@@ -100,8 +105,9 @@ template <class K>
 concept AffineWarp = requires(const K k) {
   k.parent_from_child();
 };
-/// Moves the space of its child in any other way: both directions, for every number type, and a box around
-/// the image of a box.
+/// Moves the space of its child in any other way: both directions, for every number type, and a box around the image of a
+/// box. One that can be followed while it changes has `double displacement_from(other, box)`: how far apart two states (or
+/// any two interpolated between them) take a point of the box, in either direction; others stand still in a slab of time.
 template <class K>
 concept Warp = requires(const K k, Point3<double> p, Point3<Interval> b) {
   k.child_from_parent(p);

@@ -17,12 +17,12 @@ struct EnumNames<PixelFilter> {
       {{"centre", PixelFilter::centre}, {"box", PixelFilter::box}, {"gaussian", PixelFilter::gaussian}}};
 };
 
-enum class Aov { Z, P, N, albedo, cost };
+enum class Aov { Z, P, N, albedo, cost, motion };
 
 template <>
 struct EnumNames<Aov> {
-  static constexpr std::array<std::pair<std::string_view, Aov>, 5> values{
-      {{"Z", Aov::Z}, {"P", Aov::P}, {"N", Aov::N}, {"albedo", Aov::albedo}, {"cost", Aov::cost}}};
+  static constexpr std::array<std::pair<std::string_view, Aov>, 6> values{
+      {{"Z", Aov::Z}, {"P", Aov::P}, {"N", Aov::N}, {"albedo", Aov::albedo}, {"cost", Aov::cost}, {"motion", Aov::motion}}};
 };
 
 /// What a camera ray that misses everything shows. In scene files: "environment", "transparent" or a colour.
@@ -54,7 +54,7 @@ struct Film {
         parameter(
             "aovs", &Film::aovs,
             "further channels: Z (distance along the camera axis), P (world position), N (world normal), albedo, cost (evaluations of "
-            "fields for each sample of the pixel; takes time)"),
+            "fields for each sample of the pixel; takes time), motion (of the surface in the picture to the next frame, in pixels)"),
         parameter("filter", &Film::filter, "`gaussian` (smooth), `box` (one pixel wide), `centre` (no antialiasing)"),
         parameter("background", &Film::background, "`environment`, `transparent`, or a colour"),
     };

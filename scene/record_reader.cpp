@@ -17,10 +17,7 @@ bool RecordReader::fail_unknown_key(const JsonMember& m, std::string_view owner,
   return fail(at, fmt::format("unknown key {}{}", in_quotes(m.key), suggestion(m.key, known)));
 }
 
-bool RecordReader::check_row(const JsonValue& parent, const JsonMember& m, std::string_view owner, const ParameterRules& rules) {
-  const bool is_zero = m.value.number() && *m.value.number() == 0;
-  if (!is_zero && is_reserved(ReservedAs::nonzero, owner, rules.name))
-    return fail(m.value, fmt::format("{}: any value but 0 is known but not built yet", rules.name));
+bool RecordReader::check_row(const JsonValue& parent, const JsonMember& m, const ParameterRules& rules) {
   // Both rows of a pair name each other; one of them reports.
   if (!rules.alternative.empty() && rules.name < rules.alternative && parent.find(rules.alternative))
     return fail(document().where(m.key_at), fmt::format("\"{}\" and \"{}\" exclude each other", rules.name, rules.alternative));

@@ -85,7 +85,7 @@ private:
         if (row.name != m.key) return;
         is_known = true;
         is_good &= read(out.*(row.member), m.value, row);
-        is_good &= check_row(v, m, owner, row);
+        is_good &= check_row(v, m, row);
       });
       if (!is_known) is_good = fail_unknown_key<T>(m, owner, is_kind);
     }
@@ -103,7 +103,7 @@ private:
   }
 
   bool fail_unknown_key(const JsonMember&, std::string_view owner, std::span<const std::string_view> known);
-  bool check_row(const JsonValue& parent, const JsonMember&, std::string_view owner, const ParameterRules&);
+  bool check_row(const JsonValue& parent, const JsonMember&, const ParameterRules&);
   bool check_presence(const JsonValue&, std::string_view owner, const ParameterRules&);
   const std::string* read_kind_name(const JsonValue&, std::string_view parameter, std::string_view group,
                                     std::span<const std::string_view> known);

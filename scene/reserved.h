@@ -7,10 +7,9 @@
 namespace kelpie {
 
 enum class ReservedAs {
-  kind,    ///< `owner` is the group, such as "surface"
-  key,     ///< `owner` is what has the key, such as "shape"
-  value,   ///< `owner` is the parameter
-  nonzero, ///< a number that must be 0 for now; `owner` is what has the parameter
+  kind,  ///< `owner` is the group, such as "surface"
+  key,   ///< `owner` is what has the key, such as "shape"
+  value, ///< `owner` is the parameter
 };
 
 struct Reserved {
@@ -22,10 +21,8 @@ inline constexpr std::array k_reserved{
     Reserved{ReservedAs::kind, "field", "axial"},
     Reserved{ReservedAs::kind, "surface", "glass"},
     Reserved{ReservedAs::key, "shape", "texture"},
-    Reserved{ReservedAs::value, "aovs", "motion"},
     Reserved{ReservedAs::value, "aovs", "cryptomatte"},
     Reserved{ReservedAs::value, "correspondence", "hierarchical"},
-    Reserved{ReservedAs::nonzero, "camera", "shutter"},
 };
 
 constexpr bool is_reserved(ReservedAs as, std::string_view owner, std::string_view name) {

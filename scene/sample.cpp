@@ -1,3 +1,5 @@
+#include <set>
+
 #include "scene/scene.h"
 
 namespace kelpie {
@@ -52,15 +54,24 @@ typename List::template Variant<SampledMode> sample_variant(const typename List:
                     v);
 }
 
-} // namespace
-
-bool is_equal(const SampledField& a, const SampledField& b) {
-  return std::equal(a.nodes.begin(), a.nodes.end(), b.nodes.begin(), b.nodes.end(), [](const auto& x, const auto& y) {
-    return x.index() == y.index() && std::visit([&]<class Kind>(const Kind& kind) { return is_equal(kind, std::get<Kind>(y)); }, x);
-  });
+/// Adds the frames of all keys of a kind and of what is below it.
+template <class Kind>
+void collect_keys(const Kind& kind, std::set<double>& out) {
+  const auto one = [&](const auto& value) {
+    if constexpr (requires { value.is_constant(); }) {
+      if (!value.is_constant())
+        for (const auto& key : value.keys()) out.insert(key.frame);
+    }
+  };
+  std::apply([&](const auto&... row) { (one(kind.*(row.member)), ...); }, Kind::parameters());
+  const auto below = [&](const FieldNode& node) { std::visit([&](const auto& k) { collect_keys(k, out); }, node.kind); };
+  if constexpr (requires { kind.children; })
+    for (const FieldPtr& child : kind.children) below(*child);
+  if constexpr (requires { kind.child; }) below(*kind.child);
+  if constexpr (requires { kind.region; }) below(*kind.region);
 }
 
-FrameScene sample(const Scene& scene, double frame) {
+FrameScene sample_moment(const Scene& scene, double frame) {
   FrameScene out;
   out.frame = frame;
   out.camera = sample_kind(scene.camera, frame);
@@ -73,6 +84,38 @@ FrameScene sample(const Scene& scene, double frame) {
     out.shapes.push_back(std::move(s));
   }
   return out;
+}
+
+} // namespace
+
+bool is_equal(const SampledField& a, const SampledField& b) {
+  return std::equal(a.nodes.begin(), a.nodes.end(), b.nodes.begin(), b.nodes.end(), [](const auto& x, const auto& y) {
+    return x.index() == y.index() && std::visit([&]<class Kind>(const Kind& kind) { return is_equal(kind, std::get<Kind>(y)); }, x);
+  });
+}
+
+FrameScene sample(const Scene& scene, double frame) {
+  FrameScene out = sample_moment(scene, frame);
+  std::set<double> keys, camera_keys;
+  for (const Shape& shape : scene.shapes) {
+    if (!shape.threshold.is_constant())
+      for (const auto& key : shape.threshold.keys()) keys.insert(key.frame);
+    if (shape.field) std::visit([&](const auto& kind) { collect_keys(kind, keys); }, shape.field->kind);
+    if (shape.geometry) std::visit([&](const auto& kind) { collect_keys(kind, keys); }, *shape.geometry);
+  }
+  collect_keys(scene.camera, camera_keys);
+  out.breaks.assign(keys.begin(), keys.end());
+  if (!keys.empty() || !camera_keys.empty()) out.moment = [&scene](double at) { return sample_moment(scene, at); };
+  return out;
+}
+
+Exposure FrameScene::exposure() const {
+  if (!moment) return {frame, 0};
+  if (camera.shutter > 0) return {frame - 0.5 * camera.shutter, camera.shutter};
+  // Long enough that float numbers tell its ends apart, short enough to stand for the frame.
+  constexpr double k_moment = 1.0 / 256;
+  const bool wants_motion = std::find(film.aovs.begin(), film.aovs.end(), Aov::motion) != film.aovs.end();
+  return {frame, wants_motion ? k_moment : 0};
 }
 
 } // namespace kelpie

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 
 #include "materials/surfaces.h"
@@ -97,15 +98,31 @@ struct SampledShape {
   SurfaceKinds::Variant<SampledMode> surface{Matte<SampledMode>{}};
 };
 
+/// A stretch of time, in frames.
+struct Exposure {
+  double start = 0, length = 0;
+  /// The frame at time 0 (the start) to 1 (the end).
+  double frame_at(double time) const { return start + time * length; }
+};
+
 struct FrameScene {
   double frame = 0;
   Camera<SampledMode> camera;
   Film<SampledMode> film;
   std::vector<LightKinds::Variant<SampledMode>> lights;
   std::vector<SampledShape> shapes;
+
+  /// The scene at any other frame (without `moment`); none where nothing moves.
+  std::function<FrameScene(double frame)> moment;
+  /// Frames at which the motion of shapes need not be smooth, ascending.
+  std::vector<double> breaks;
+
+  /// While the shutter is open; of no length where nothing moves. Where it is closed but the film asks for motion, a moment
+  /// from the frame on, of which rays see the beginning.
+  Exposure exposure() const;
 };
 
-/// The scene at `frame` (fractions are moments between frames). Cheap: no file is touched.
+/// The scene at `frame` (fractions are moments between frames). Cheap: no file is touched. `scene` must outlive `moment`.
 FrameScene sample(const Scene&, double frame);
 
 } // namespace kelpie

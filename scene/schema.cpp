@@ -92,8 +92,7 @@ Json record_schema(bool is_kind) {
   if (is_kind) properties["kind"] = {{"const", T::k_name}}, required.push_back("kind");
   const T defaults{};
   for_each_parameter<T>([&](const auto& row) {
-    const bool is_zero_for_now = is_reserved(ReservedAs::nonzero, T::k_name, row.name);
-    Json p = is_zero_for_now ? Json{{"const", 0}} : type_schema<MemberOf<decltype(row)>>(row);
+    Json p = type_schema<MemberOf<decltype(row)>>(row);
     p["description"] = row.unit == Unit::none ? std::string(row.doc) : fmt::format("{} ({})", row.doc, unit_text(row.unit));
     if (const std::string value = json_text(defaults.*(row.member)); !value.empty() && !row.is_required) p["default"] = Json::parse(value);
     properties[std::string(row.name)] = std::move(p);

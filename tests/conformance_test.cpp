@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "field/skeletons/range.h"
 #include "scene/scene.h"
 #include "tests/support/random_kind.h"
 
@@ -368,6 +369,73 @@ TEST(Conformance, WarpsInvertAndBoundTheirImages) {
                         holds(slopes.z.d[axis], g.z.d[axis], 1e-9));
           int kinks = 0;
           expect_gradient([&](const Vec3d& at) { return kind.child_from_parent(point<double>(at)).x; }, g.x, p, kinks);
+        }
+      }
+  });
+}
+
+// --- motion: two states of a kind, and all that are interpolated between them ---
+
+/// Another state of a kind: any, or close by.
+template <template <class> class Kind>
+Kind<SampledMode> random_other(const Kind<SampledMode>& kind, Random& r) {
+  Kind<SampledMode> other = kind;
+  interpolate(kind, random_kind<Kind>(r), r.below(3) ? r.log_uniform(1e-3, 1) : 1, other);
+  return other;
+}
+
+TEST(Conformance, MovingSkeletonsKeepTheirBounds) {
+  for_each_field_kind([&]<template <class> class Kind>() {
+    if constexpr (Skeleton<Kind<SampledMode>>) {
+      int trivial = 0;
+      for (unsigned trial = 0; trial < 5 * k_trials && !HasFailure(); ++trial) {
+        SCOPED_TRACE(trial);
+        Random r(trial);
+        const auto a = random_kind<Kind>(r), b = random_other<Kind>(a, r);
+        const Box3 support = a.support();
+        const Box3d box = random_box(r, {Vec3d(support.lower), Vec3d(support.upper)});
+        const Interval range = moving_potential_range(a, b, box);
+        for (int i = 0; i < 40; ++i)
+          EXPECT_TRUE(holds(range, interpolated(a, b, r.uniform(0, 1)).potential(point<double>(r.in(box))), 1e-6)); // states are float
+        trivial += range.width() >= std::abs(a.weight) && box.diagonal() < 0.1 * a.radius && a.displacement_from(b) < 0.1 * a.radius;
+      }
+      EXPECT_LT(trivial, k_trials / 50) << "bounds that say nothing prune nothing";
+    }
+  });
+}
+
+TEST(Conformance, MovingOperatorsKeepTheirBounds) {
+  for_each_operator([&]<template <class> class Kind>(const Kind<SampledMode>& kind, const Operands& operands, Demand mine, Random& r) {
+    const auto other = random_other<Kind>(kind, r);
+    const Interval threshold{operands.threshold, operands.threshold * (r.below(2) ? r.uniform(1, 2) : 1)};
+    const Interval range = moving_combine(kind, other, operands.ranges, threshold, mine);
+    for (int i = 0; i < 20; ++i) {
+      const std::vector<double> f = operands.sample(r);
+      const auto between = interpolated(kind, other, r.uniform(0, 1));
+      EXPECT_TRUE(holds(range, between.combine(std::span<const double>(f), r.uniform(threshold.lo, threshold.hi + 1e-12), mine), 1e-5));
+    }
+  });
+}
+
+TEST(Conformance, MovingWarpsKeepTheirBounds) {
+  for_each_field_kind([&]<template <class> class Kind>() {
+    if constexpr (requires(Kind<SampledMode> k) { k.displacement_from(k, Box3d{}); })
+      for (unsigned trial = 0; trial < 5 * k_trials && !HasFailure(); ++trial) {
+        SCOPED_TRACE(trial);
+        Random r(trial);
+        auto a = random_kind<Kind>(r);
+        if constexpr (requires { a.rate; }) a.rate *= float(r.log_uniform(1, 100)); // degrees
+        const auto b = random_other<Kind>(a, r);
+        const Box3d box = random_box(r, {Vec3d(-2), Vec3d(2)});
+        const double most = a.displacement_from(b, box) + 1e-5; // states are float
+        for (int i = 0; i < 40; ++i) {
+          const auto at_u = interpolated(a, b, r.uniform(0, 1)), at_v = r.below(2) ? a : interpolated(a, b, r.uniform(0, 1));
+          const Point3<double> p = point<double>(r.in(box));
+          const auto apart = [](const Point3<double>& x, const Point3<double>& y) {
+            return glm::distance(Vec3d(x.x, x.y, x.z), Vec3d(y.x, y.y, y.z));
+          };
+          EXPECT_LE(apart(at_u.child_from_parent(p), at_v.child_from_parent(p)), most);
+          EXPECT_LE(apart(at_u.parent_from_child(p), at_v.parent_from_child(p)), most);
         }
       }
   });

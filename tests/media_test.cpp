@@ -60,7 +60,7 @@ public:
     for (int i = 0; i < rays; ++i) {
       Random r(i);
       Ray ray = random_ray(r, box_, leaves, i % 3 != 0);
-      ray.inside = tracer_.shapes_around(ray.origin);
+      ray.inside = Surroundings(tracer_, {ray.origin, ray.origin}).shapes_around(ray.origin, 0);
       walk(ray, tally);
     }
     return tally;

@@ -112,7 +112,7 @@ TEST(Reader, RefusesWrongScenes) {
       {R"(,"kelpie":1,"frames":{"first":5,"last":4}})", "scene.json:2:40: last must be >= first, found 4 and 5"},
       {R"(,"kelpie":1,"frames":{"first":1.5}})", "scene.json:2:31: first: expected a whole number, found 1.5"},
       {R"(,"kelpie":1,"frames":{"last":1e10}})", "scene.json:2:30: last: 10000000000 is too large"},
-      {R"(,"kelpie":1,"camera":{"shutter":0.5}})", "scene.json:2:33: shutter: any value but 0 is known but not built yet"},
+      {R"(,"kelpie":1,"camera":{"shutter":-0.5}})", "scene.json:2:33: shutter must be >= 0, found -0.5"},
       {R"(,"kelpie":1,"camera":{"fov":180}})", "scene.json:2:29: fov must be > 0 and < 180, found 180"},
       {R"(,"kelpie":1,"camera":{"position":[1,1,1],"look_at":[1,1,1]}})", "scene.json:2:52: look_at must differ from position"},
       {R"(,"kelpie":1,"camera":{"position":[0,6,0]}})", "scene.json:2:34: up is parallel to the direction of view"},
@@ -120,7 +120,7 @@ TEST(Reader, RefusesWrongScenes) {
        "scene.json:2:34: up is parallel to the direction of view at frame 9"},
       {R"(,"kelpie":1,"film":{"resolution":[0,10.5]}})", "scene.json:2:35: resolution must be >= 1 and <= 65536, found 0\n"
                                                          "scene.json:2:37: resolution: expected a whole number, found 10.5"},
-      {R"(,"kelpie":1,"film":{"aovs":["Z","motion","Z"]}})", "scene.json:2:33: aovs: \"motion\" is known but not built yet"},
+      {R"(,"kelpie":1,"film":{"aovs":["Z","cryptomatte","Z"]}})", "scene.json:2:33: aovs: \"cryptomatte\" is known but not built yet"},
       {R"(,"kelpie":1,"film":{"aovs":["Z","N","Z"]}})", "scene.json:2:37: aovs: \"Z\" is listed twice"},
       {R"(,"kelpie":1,"film":{"background":"sky"}})",
        "scene.json:2:34: background: expected \"environment\", \"transparent\" or a colour, found \"sky\""},

@@ -20,6 +20,7 @@ Clamped at 0, because below 0 it would spoil a blend above it. Source: methods.m
   }
 
   static constexpr bool k_is_clamped = true;
+  static constexpr bool k_scales_with_threshold = true;
 
   template <class Real>
   Real combine(std::span<const Real> f, double threshold, Demand /*mine*/) const {

@@ -119,6 +119,7 @@ children are joined from the first to the last. Source: methods.md section 2.)";
   static constexpr auto parameters() { return std::tuple{parameter("children", &RUnion::children, "the fields to unite").required()}; }
 
   static constexpr bool k_is_clamped = true;
+  static constexpr bool k_scales_with_threshold = true;
 
   template <class Real>
   Real combine(std::span<const Real> f, double threshold, Demand mine) const {
@@ -154,6 +155,7 @@ children are joined from the first to the last. Source: methods.md section 2.)";
   }
 
   static constexpr bool k_is_clamped = true;
+  static constexpr bool k_scales_with_threshold = true;
 
   template <class Real>
   Real combine(std::span<const Real> f, double threshold, Demand mine) const {
@@ -190,6 +192,7 @@ form of `r_intersection`. Several children are carved away from the second to th
   }
 
   static constexpr bool k_is_clamped = true;
+  static constexpr bool k_scales_with_threshold = true;
 
   template <class Real>
   Real combine(std::span<const Real> f, double threshold, Demand mine) const {

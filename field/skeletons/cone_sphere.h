@@ -107,6 +107,12 @@ chains of cone-spheres. Source: methods.md section 2, skeletons.)";
     return rounded_outward(box);
   }
 
+  /// How far the solid moves between two states, and any two states interpolated between them.
+  double displacement_from(const ConeSphere& other) const {
+    return std::max(glm::distance(Vec3d(from), Vec3d(other.from)) + std::abs(double(from_radius) - double(other.from_radius)),
+                    glm::distance(Vec3d(to), Vec3d(other.to)) + std::abs(double(to_radius) - double(other.to_radius)));
+  }
+
   template <class Real>
   Real potential(const Point3<Real>& p) const {
     const Vec3d axis = Vec3d(to) - Vec3d(from);

@@ -41,6 +41,12 @@ The distance is exact. `disc_radius` 0 makes it a `point`. Source: methods.md se
     return rounded_outward({Vec3d(centre) - reach, Vec3d(centre) + reach});
   }
 
+  /// How far the disc moves between two states, and any two states interpolated between them.
+  double displacement_from(const Disc& other) const {
+    return glm::distance(Vec3d(centre), Vec3d(other.centre)) + std::abs(double(disc_radius) - double(other.disc_radius)) +
+           std::max(disc_radius, other.disc_radius) * tilt(Vec3d(normal), Vec3d(other.normal));
+  }
+
   template <class Real>
   Real potential(const Point3<Real>& p) const {
     const AxisFrame frame{Vec3d(centre), Vec3d(normal)};

@@ -59,6 +59,13 @@ struct ConeSphereSolid {
   double from_radius, to_radius;
 };
 
+/// How far a unit circle about an axis moves when the axis turns from a to b, or to any vector between them.
+inline double tilt(const Vec3d& a, const Vec3d& b) {
+  const Vec3d e = AxisFrame{Vec3d(0), a}.e, f = AxisFrame{Vec3d(0), b}.e;
+  // Turned by more than a right angle it comes back to itself.
+  return glm::dot(e, f) >= 0 ? glm::distance(e, f) : std::sqrt(2.0);
+}
+
 /// In float, with nothing of the box lost to rounding.
 inline Box3 rounded_outward(const Box3d& b) {
   const Vec3d size = glm::max(glm::abs(b.lower), glm::abs(b.upper));

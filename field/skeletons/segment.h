@@ -41,6 +41,11 @@ Equal ends make it a `point`. Source: methods.md section 2.)";
     return box.padded(radius);
   }
 
+  /// How far the segment moves between two states, and any two states interpolated between them.
+  double displacement_from(const Segment& other) const {
+    return std::max(glm::distance(Vec3d(from), Vec3d(other.from)), glm::distance(Vec3d(to), Vec3d(other.to)));
+  }
+
   template <class Real>
   Real potential(const Point3<Real>& p) const {
     // Distances along and across the axis: each coordinate of p - from is used as it is, and the part

@@ -53,6 +53,13 @@ Source: methods.md section 2, skeletons.)";
     return rounded_outward({Vec3d(centre) - reach, Vec3d(centre) + reach});
   }
 
+  /// How far the tube moves between two states, and any two states interpolated between them.
+  double displacement_from(const Torus& other) const {
+    return glm::distance(Vec3d(centre), Vec3d(other.centre)) + std::abs(double(major_radius) - double(other.major_radius)) +
+           std::abs(double(minor_radius) - double(other.minor_radius)) +
+           std::max(major_radius, other.major_radius) * tilt(Vec3d(normal), Vec3d(other.normal));
+  }
+
   template <class Real>
   Real potential(const Point3<Real>& p) const {
     const AxisFrame frame{Vec3d(centre), Vec3d(normal)};

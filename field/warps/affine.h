@@ -3,8 +3,8 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "base/box.h"
 #include "base/kind.h"
-#include "base/vec.h"
 
 namespace kelpie {
 
@@ -26,6 +26,14 @@ struct Affine {
             m[0][2] * p.x + m[1][2] * p.y + m[2][2] * p.z + Real(offset.z)};
   }
 };
+
+/// The box around the image of a box.
+inline Box3d image_of(const Affine& f, const Box3d& box) {
+  const Vec3d c = f(box.centre()), h = box.extent() * 0.5;
+  Vec3d e(0);
+  for (int i = 0; i < 3; ++i) e += glm::abs(f.linear[i]) * h[i];
+  return {c - e, c + e};
+}
 
 template <class Mode>
 struct Translate {

@@ -58,7 +58,30 @@ from it: at distance r by up to (k r + sqrt(k^2 r^2 + 4)) / 2, k the rate in rad
     return image;
   }
 
+  /// How far apart two states, and any two states interpolated between them, take a point of a box, in either direction:
+  /// the parts of centre, axis, rate and length one after the other.
+  double displacement_from(const Twist& other, const Box3d& box) const {
+    const AxisFrame a{Vec3d(centre), Vec3d(axis)}, b{Vec3d(other.centre), Vec3d(other.axis)};
+    double reach = 0; // from any centre on the way to any point
+    for (const Vec3d& from : {a.origin, b.origin})
+      reach = std::max(reach, glm::length(glm::max(glm::abs(box.lower - from), glm::abs(box.upper - from))));
+    const double most_rate = glm::radians(double(std::max(std::abs(rate), std::abs(other.rate))));
+    // A limit that is 0 at one end appears, or ends, on the way: there is nothing to interpolate.
+    const bool limit_jumps = (length > 0) != (other.length > 0);
+    const double most_height = length > 0 && other.length > 0 ? std::min(reach, double(std::max(length, other.length))) : reach;
+    const double shift = glm::distance(a.origin, b.origin), turn = turn_between(a.e, b.e);
+    // The angle changes with the height along the axis, with the rate and with the limit.
+    double angle = most_rate * (shift + reach * turn) + most_height * std::abs(glm::radians(double(rate) - double(other.rate)));
+    angle += most_rate * (limit_jumps ? reach : std::abs(double(length) - double(other.length)));
+    // Turning about another axis, or another centre, by the same angle.
+    const double most_angle = std::min(2.0, most_rate * most_height);
+    return std::min(2 * reach + shift, reach * (angle + 2 * most_angle * turn) + most_angle * shift);
+  }
+
 private:
+  /// The length of the difference of the unit vectors; 2, the most there is, where an interpolated axis may vanish.
+  static double turn_between(const Vec3d& e, const Vec3d& f) { return glm::dot(e, f) > 0 ? glm::distance(e, f) : 2; }
+
   template <class Real>
   Point3<Real> turned(const Point3<Real>& p, double sign) const {
     const AxisFrame frame{Vec3d(centre), Vec3d(axis)};

@@ -45,6 +45,8 @@ public:
   /// stiffness B and the weight w (blob_shape.h); with transport the radius R and the mass W R^3 do. Under VolumeRule::linear all weights
   /// bear a common factor by which the volume where the sum exceeds 1 changes linearly.
   void append_blobs(float progress, BlobCloud& out) const;
+  /// The same field, but for rounding, cut into the same parts at every progress.
+  void append_parts(float progress, BlobCloud& out) const { append_parts(progress, gain_at(progress), out); }
 
 private:
   struct End {

@@ -40,6 +40,7 @@ methods.md section 1.)";
 
   // Sampled:
   void append_blobs(BlobCloud& out) const { morph->append_blobs(progress, out); }
+  void append_parts(BlobCloud& out) const { morph->append_parts(progress, out); }
 };
 
 } // namespace kelpie

@@ -26,13 +26,14 @@ constexpr double k_most_turning = 0.5, k_calm_side = 0.2;
 
 class Builder {
 public:
-  Builder(const FieldProgram& program, const CellLimits& limits) : program_(program), limits_(limits) {}
+  Builder(const FieldProgram& program, const CellLimits& limits)
+      : program_(program), threshold_(threshold_range(program)), limits_(limits) {}
 
   void build(const Box3d& box, const Code& parent, int depth, ShapeCells& out) const {
     std::vector<Interval> ranges;
     Code code = bound(program_, parent, box, ranges);
     const Interval field = ranges.back();
-    if (field.hi < program_.threshold * (1 - k_margin) || field.lo > program_.threshold * (1 + k_margin)) return;
+    if (field.hi < threshold_.lo * (1 - k_margin) || field.lo > threshold_.hi * (1 + k_margin)) return;
     if (code.steps.size() > 1) code = prune(program_, code, ranges);
     const double radius = smallest_radius(code);
     const size_t elements = element_count(code);
@@ -123,13 +124,19 @@ private:
   }
 
   void add_blobs(const std::vector<uint32_t>& list, Cell& cell, ShapeCells& out) const {
-    const BlobArrays& s = program_.blobs;
-    bool pure = true;
-    for (const uint32_t i : list) pure = pure && s.b[i] == 0 && s.a[i] > 0;
+    const BlobArrays &s = program_.blobs, &e = program_.motion ? program_.motion->end.blobs : s;
+    bool pure = true, moves = false, changes = false;
+    for (const uint32_t i : list) {
+      pure = pure && s.b[i] == 0 && s.a[i] > 0;
+      moves = moves || s.x[i] != e.x[i] || s.y[i] != e.y[i] || s.z[i] != e.z[i];
+      changes = changes || s.k[i] != e.k[i] || s.a[i] != e.a[i] || s.b[i] != e.b[i];
+    }
+    pure = pure && !changes; // the root of a weight that changes is not linear in time
     const size_t n = (list.size() + k_leaf_group - 1) / k_leaf_group * k_leaf_group;
-    cell.content = pure ? Cell::Content::pure_blobs : Cell::Content::mixed_blobs;
+    cell.content = pure ? (moves ? Cell::Content::moving_pure_blobs : Cell::Content::pure_blobs)
+                        : (moves || changes ? Cell::Content::moving_mixed_blobs : Cell::Content::mixed_blobs);
     cell.count = static_cast<uint32_t>(n), cell.first = out.leaf_data.size();
-    out.leaf_data.resize(out.leaf_data.size() + n * (pure ? 5 : 7));
+    out.leaf_data.resize(out.leaf_data.size() + n * Cell::arrays(cell.content));
     float* data = out.leaf_data.data() + cell.first;
     for (size_t j = 0; j < n; ++j) {
       if (j >= list.size()) { // padding: s < 0 is 0 everywhere
@@ -141,10 +148,15 @@ private:
       data[j] = s.x[i], data[n + j] = s.y[i], data[2 * n + j] = s.z[i];
       data[3 * n + j] = root, data[4 * n + j] = root * s.k[i];
       if (!pure) data[5 * n + j] = s.a[i], data[6 * n + j] = s.b[i];
+      if (!moves && !changes) continue;
+      float* change = data + (pure ? 5 : 7) * n + j;
+      change[0] = e.x[i] - s.x[i], change[n] = e.y[i] - s.y[i], change[2 * n] = e.z[i] - s.z[i];
+      if (!pure) change[3 * n] = e.k[i] - s.k[i], change[4 * n] = e.a[i] - s.a[i], change[5 * n] = e.b[i] - s.b[i];
     }
   }
 
   bool add_tree(const Code& code, Cell& cell, ShapeCells& out) const {
+    if (program_.motion) return false; // the numbers of its leaves are not linear in time
     const std::optional<Tree> tree = make_tree(program_, code, cell.box);
     if (!tree) return false;
     const auto add = [](const auto& from, auto& to) {
@@ -215,6 +227,7 @@ private:
   }
 
   const FieldProgram& program_;
+  Interval threshold_; ///< over the slab
   const CellLimits& limits_;
 };
 

@@ -18,17 +18,26 @@ void flush_denormals_in_this_thread() {
   _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
 }
 
+namespace {
+
+/// The slab, of a number of them, that a time of the open shutter lies in.
+size_t slab_of(float time, size_t slabs) { return std::min(static_cast<size_t>(time * static_cast<float>(slabs)), slabs - 1); }
+
+} // namespace
+
 struct CellScene::State {
-  std::vector<std::shared_ptr<const ShapeCells>> shapes;
+  std::vector<Slabs> shapes;
   RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
+  std::vector<RTCScene> scenes; ///< one for each slab of time of the shape with most of them
   std::atomic<ssize_t> embree_bytes{0};
   std::atomic<RTCError> error{RTC_ERROR_NONE};
 
   ~State() {
-    if (scene) rtcReleaseScene(scene);
+    for (RTCScene scene : scenes) rtcReleaseScene(scene);
     if (device) rtcReleaseDevice(device);
   }
+
+  RTCScene at(float time) const { return scenes[slab_of(time, scenes.size())]; }
 };
 
 namespace {
@@ -74,6 +83,7 @@ uint32_t meet(const ShapeCells& shape, unsigned shape_index, unsigned cell_index
                 &RTCRayN_dir_z(packet, n, 0),
                 &RTCRayN_tnear(packet, n, 0),
                 &RTCRayN_tfar(packet, n, 0),
+                &RTCRayN_time(packet, n, 0),
                 any};
   uint32_t inside = 0;
   alignas(64) std::array<int, k_packet> outside;
@@ -146,19 +156,18 @@ RTCRay to_embree(const Ray& ray) {
   r.org_x = ray.origin.x, r.org_y = ray.origin.y, r.org_z = ray.origin.z;
   r.dir_x = ray.direction.x, r.dir_y = ray.direction.y, r.dir_z = ray.direction.z;
   r.tnear = ray.t_near, r.tfar = ray.t_far;
-  r.mask = ~0u;
+  r.time = ray.time, r.mask = ~0u;
   return r;
 }
 
 /// Up to 16 rays into a packet; the other lanes take no part.
 template <class Packet>
-void fill(std::span<const Ray> rays, Packet& out, int* valid) {
+void fill(std::span<const Ray> rays, Packet& out) {
   for (size_t i = 0; i < k_packet; ++i) {
-    valid[i] = i < rays.size() && is_traceable(rays[i]) ? -1 : 0;
     const Ray& ray = rays[i < rays.size() ? i : 0]; // lanes without a ray hold a copy: numbers like any
     out.org_x[i] = ray.origin.x, out.org_y[i] = ray.origin.y, out.org_z[i] = ray.origin.z;
     out.dir_x[i] = ray.direction.x, out.dir_y[i] = ray.direction.y, out.dir_z[i] = ray.direction.z;
-    out.tnear[i] = ray.t_near, out.tfar[i] = ray.t_far, out.time[i] = 0;
+    out.tnear[i] = ray.t_near, out.tfar[i] = ray.t_far, out.time[i] = ray.time;
     out.mask[i] = ~0u, out.id[i] = static_cast<unsigned>(i), out.flags[i] = 0;
   }
 }
@@ -171,7 +180,25 @@ Query packet_query(std::span<const Ray> rays, SolveCounters& counters) {
   return query;
 }
 
-void attach(RTCDevice device, RTCScene scene, const ShapeCells& shape, unsigned index) {
+/// Calls trace(scene, valid) for each slab of time that some of the rays are in, with those that are.
+template <class Trace>
+void for_each_slab(std::span<const Ray> rays, std::span<const RTCScene> scenes, Trace&& trace) {
+  alignas(64) std::array<int, k_packet> valid;
+  uint32_t left = 0;
+  for (size_t i = 0; i < rays.size(); ++i) left |= uint32_t(is_traceable(rays[i])) << i;
+  while (left) {
+    const size_t slab = slab_of(rays[size_t(std::countr_zero(left))].time, scenes.size());
+    for (size_t i = 0; i < k_packet; ++i) {
+      const bool is_in = left >> i & 1 && slab_of(rays[i].time, scenes.size()) == slab;
+      valid[i] = is_in ? -1 : 0;
+      if (is_in) left &= ~(1u << i);
+    }
+    trace(scenes[slab], valid.data());
+  }
+}
+
+/// The cells of a shape in one slab of time, for all scenes of that time.
+void attach(RTCDevice device, std::span<const RTCScene> scenes, const ShapeCells& shape, unsigned index) {
   if (shape.cells.empty()) return;
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(shape.cells.size()));
@@ -180,13 +207,13 @@ void attach(RTCDevice device, RTCScene scene, const ShapeCells& shape, unsigned 
   rtcSetGeometryIntersectFunction(geometry, cell_intersect);
   rtcSetGeometryOccludedFunction(geometry, cell_occluded);
   rtcCommitGeometry(geometry);
-  rtcAttachGeometryByID(scene, geometry, index);
+  for (RTCScene scene : scenes) rtcAttachGeometryByID(scene, geometry, index);
   rtcReleaseGeometry(geometry);
 }
 
 } // namespace
 
-CellScene::CellScene(std::vector<std::shared_ptr<const ShapeCells>> shapes) : state_(std::make_unique<State>()) {
+CellScene::CellScene(std::vector<Slabs> shapes) : state_(std::make_unique<State>()) {
   flush_denormals_in_this_thread();
   State& s = *state_;
   s.shapes = std::move(shapes);
@@ -199,10 +226,17 @@ CellScene::CellScene(std::vector<std::shared_ptr<const ShapeCells>> shapes) : st
     return true;
   };
   rtcSetDeviceMemoryMonitorFunction(s.device, on_memory, &s);
-  s.scene = rtcNewScene(s.device);
-  rtcSetSceneFlags(s.scene, RTC_SCENE_FLAG_ROBUST); // cells share walls: no ray may slip through
-  for (unsigned i = 0; i < s.shapes.size(); ++i) attach(s.device, s.scene, *s.shapes[i], i);
-  rtcCommitScene(s.scene);
+  size_t slabs = 1;
+  for (const auto& shape : s.shapes) slabs = std::max(slabs, shape.size());
+  for (size_t i = 0; i < slabs; ++i) {
+    s.scenes.push_back(rtcNewScene(s.device));
+    rtcSetSceneFlags(s.scenes.back(), RTC_SCENE_FLAG_ROBUST); // cells share walls: no ray may slip through
+  }
+  for (unsigned i = 0; i < s.shapes.size(); ++i) {
+    const size_t share = slabs / s.shapes[i].size();
+    for (size_t j = 0; j < s.shapes[i].size(); ++j) attach(s.device, std::span(s.scenes).subspan(j * share, share), *s.shapes[i][j], i);
+  }
+  for (RTCScene scene : s.scenes) rtcCommitScene(scene);
   if (s.error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
   if (s.error != RTC_ERROR_NONE) throw std::runtime_error("Embree: error " + std::to_string(s.error));
 }
@@ -218,7 +252,7 @@ bool CellScene::intersect(const Ray& ray, SolveCounters& counters, CellHit& hit)
   RTCRayHit r;
   r.ray = to_embree(ray);
   r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(state_->scene, &query.embree, &r);
+  rtcIntersect1(state_->at(ray.time), &query.embree, &r);
   if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
   hit = {r.ray.tfar, r.hit.geomID, r.hit.primID};
   return true;
@@ -229,18 +263,17 @@ bool CellScene::occluded(const Ray& ray, SolveCounters& counters) const {
   Query query{{}, &ray, false, &counters};
   rtcInitIntersectContext(&query.embree);
   RTCRay r = to_embree(ray);
-  rtcOccluded1(state_->scene, &query.embree, &r);
+  rtcOccluded1(state_->at(ray.time), &query.embree, &r);
   return r.tfar < 0;
 }
 
 uint32_t CellScene::intersect(std::span<const Ray> rays, SolveCounters& counters, CellHit* hits) const {
   if (rays.empty()) return 0;
   Query query = packet_query(rays, counters);
-  alignas(64) std::array<int, k_packet> valid;
   RTCRayHit16 r;
-  fill(rays, r.ray, valid.data());
+  fill(rays, r.ray);
   std::fill(std::begin(r.hit.geomID), std::end(r.hit.geomID), RTC_INVALID_GEOMETRY_ID);
-  rtcIntersect16(valid.data(), state_->scene, &query.embree, &r);
+  for_each_slab(rays, state_->scenes, [&](RTCScene scene, const int* valid) { rtcIntersect16(valid, scene, &query.embree, &r); });
   uint32_t found = 0;
   for (size_t i = 0; i < rays.size(); ++i) {
     if (r.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
@@ -253,20 +286,25 @@ uint32_t CellScene::intersect(std::span<const Ray> rays, SolveCounters& counters
 uint32_t CellScene::occluded(std::span<const Ray> rays, SolveCounters& counters) const {
   if (rays.empty()) return 0;
   Query query = packet_query(rays, counters);
-  alignas(64) std::array<int, k_packet> valid;
   RTCRay16 r;
-  fill(rays, r, valid.data());
-  rtcOccluded16(valid.data(), state_->scene, &query.embree, &r);
+  fill(rays, r);
+  for_each_slab(rays, state_->scenes, [&](RTCScene scene, const int* valid) { rtcOccluded16(valid, scene, &query.embree, &r); });
   uint32_t found = 0;
   for (size_t i = 0; i < rays.size(); ++i) found |= uint32_t(r.tfar[i] < 0) << i;
   return found;
 }
 
-const std::vector<std::shared_ptr<const ShapeCells>>& CellScene::shapes() const { return state_->shapes; }
+const std::vector<Slabs>& CellScene::shapes() const { return state_->shapes; }
+const ShapeCells& CellScene::shape(size_t index, float time) const {
+  const Slabs& slabs = state_->shapes[index];
+  return *slabs[slab_of(time, slabs.size())];
+}
+size_t CellScene::slab_count() const { return state_->scenes.size(); }
 
 size_t CellScene::bytes() const {
   size_t n = static_cast<size_t>(state_->embree_bytes.load());
-  for (const auto& s : state_->shapes) n += s->bytes();
+  for (const auto& slabs : state_->shapes)
+    for (const auto& s : slabs) n += s->bytes();
   return n;
 }
 

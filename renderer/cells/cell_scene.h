@@ -11,13 +11,14 @@ namespace kelpie {
 struct CellHit {
   float t = 0;
   uint32_t shape = 0; ///< index into the shapes that the scene was made of
-  uint32_t cell = 0;
+  uint32_t cell = 0;  ///< of the shape's slab at the ray's time
 };
 
 class CellScene {
 public:
-  /// Takes the shapes' cells. Throws std::bad_alloc when Embree runs out of memory.
-  explicit CellScene(std::vector<std::shared_ptr<const ShapeCells>> shapes);
+  /// Takes the shapes' cells: for each shape its slabs of time, a power of two of them. Throws std::bad_alloc when
+  /// Embree runs out of memory.
+  explicit CellScene(std::vector<Slabs> shapes);
   ~CellScene();
   CellScene(CellScene&&) noexcept;
   CellScene& operator=(CellScene&&) noexcept;
@@ -32,7 +33,12 @@ public:
   uint32_t intersect(std::span<const Ray>, SolveCounters&, CellHit*) const;
   uint32_t occluded(std::span<const Ray>, SolveCounters&) const;
 
-  const std::vector<std::shared_ptr<const ShapeCells>>& shapes() const;
+  /// The slabs of each shape.
+  const std::vector<Slabs>& shapes() const;
+  /// The cells of a shape at a ray's time.
+  const ShapeCells& shape(size_t index, float time) const;
+  /// The most slabs that any shape has. Rays that share a packet had better share a slab.
+  size_t slab_count() const;
   /// Bytes of Embree's own structures and of the cells.
   size_t bytes() const;
 

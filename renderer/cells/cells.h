@@ -2,20 +2,28 @@
 // matters there. They are what Embree sees.
 #pragma once
 
+#include <functional>
+#include <memory>
+
 #include "base/box.h"
 #include "renderer/cells/memory_budget.h"
 #include "renderer/cells/tree.h"
-#include "renderer/program/evaluate.h"
+#include "renderer/program/motion.h"
 
 namespace kelpie {
 
 struct Cell {
   enum class Content : uint32_t {
-    pure_blobs,  ///< a sum of quartic blobs of positive weight: arrays x y z s k with f = sum max(0, s - k d^2)^2
-    mixed_blobs, ///< a sum of any blobs: arrays x y z s=1 k a b with f = sum q^2 (a + b q), q = max(0, s - k d^2)
-    tree,        ///< sums, Booleans and cone-spheres: see tree.h
-    code,        ///< anything else
+    pure_blobs,         ///< a sum of quartic blobs of positive weight: arrays x y z s k with f = sum max(0, s - k d^2)^2
+    mixed_blobs,        ///< a sum of any blobs: arrays x y z s=1 k a b with f = sum q^2 (a + b q), q = max(0, s - k d^2)
+    moving_pure_blobs,  ///< as pure_blobs, and their centres move: after that x y z of the way they go in the slab
+    moving_mixed_blobs, ///< as mixed_blobs, and anything of them moves: after that the changes of x y z k a b
+    tree,               ///< sums, Booleans and cone-spheres that stand: see tree.h
+    code,               ///< anything else
   };
+  static constexpr size_t arrays(Content c) {
+    return c == Content::pure_blobs ? 5 : c == Content::mixed_blobs ? 7 : c == Content::moving_pure_blobs ? 8 : 13;
+  }
   Box3 box;
   Content content = Content::code;
   uint32_t count = 0;                   ///< blobs, padding included; or steps
@@ -27,7 +35,8 @@ struct Cell {
   uint32_t space_count = 0, spaces = 0; ///< of a tree: how many and where in ShapeCells::tree_spaces
 };
 
-/// All cells of one shape. The code of a cell refers to `operands` and `blob_indices` from their starts.
+/// All cells of one shape in a slab of time: where nothing moves, the whole time. The code of a cell refers to `operands`
+/// and `blob_indices` from their starts.
 struct ShapeCells {
   FieldProgram program;
   std::vector<Cell> cells;
@@ -36,7 +45,10 @@ struct ShapeCells {
   std::vector<TreeSpace> tree_spaces;
   std::vector<Instruction> steps;
   std::vector<uint32_t> operands, blob_indices;
+  float slab_start = 0, slabs = 1; ///< the slab is [start, start + 1 / slabs] of the open shutter
 
+  /// The time within the slab, 0 to 1, of a ray.
+  float slab_time(float ray_time) const { return std::min(std::max((ray_time - slab_start) * slabs, 0.f), 1.f); }
   CodeView code(const Cell& c) const {
     CodeView view;
     view.steps = std::span(steps).subspan(c.first, c.count), view.operands = operands, view.blobs = blob_indices;
@@ -50,6 +62,9 @@ struct ShapeCells {
   size_t bytes() const;
 };
 
+/// A shape in each slab of time, a power of two of them; frames may share them.
+using Slabs = std::vector<std::shared_ptr<const ShapeCells>>;
+
 /// What Embree's tree takes for each cell, about.
 inline constexpr size_t k_tree_bytes_per_cell = 100;
 
@@ -60,6 +75,7 @@ struct CellLimits {
   float side_in_radii = 2; ///< …and so does a side below this many radii of influence of its smallest element (finer: slower, and eight
                            ///< times the memory a halving)
   int depth = 24;
+  uint32_t slabs = 32; ///< the most slabs of time in which a shape moves
   MemoryBudget* budget = nullptr; ///< what cells take is taken from it, if there is one
 };
 
@@ -71,5 +87,13 @@ bool make_coarser(CellLimits&);
 /// empty or full are dropped. Parallel within the current TBB arena; the result does not depend on the
 /// number of threads. Throws MemoryBudget::Exceeded.
 ShapeCells build_cells(FieldProgram program, const CellLimits& limits = {});
+
+/// The program of a shape at several times of the open shutter, in [0, 1] and ascending, compiled together.
+using CompileAt = std::function<std::vector<FieldProgram>(std::span<const double> times)>;
+
+/// The cells of a shape that may move, for each slab of time: as many slabs, a power of two, as it takes for linear
+/// interpolation to follow the motion and for cells not to swell by it. `breaks`: times where the motion is not smooth.
+/// A shape that stands still has one slab.
+Slabs build_slabs(const CompileAt& compile_at, std::span<const double> breaks, const CellLimits& limits = {});
 
 } // namespace kelpie

@@ -1,8 +1,7 @@
 // Rays from the camera through the film.
 #pragma once
 
-#include "renderer/cells/cell_scene.h"
-#include "scene/camera.h"
+#include "renderer/trace/tracer.h"
 
 namespace kelpie {
 
@@ -31,6 +30,12 @@ public:
     return ray;
   }
 
+  /// Where the film sees a point that lies in front of the camera, in pixels.
+  Vec2 film_of(const Vec3& p) const {
+    const Vec3 d = p - position_;
+    const float scale = 1 / (glm::dot(d, forward_) * pixel_);
+    return middle_ + Vec2(glm::dot(d, right_), -glm::dot(d, up_)) * scale;
+  }
   /// Distance along the camera's axis.
   float depth(const Vec3& p) const { return glm::dot(p - position_, forward_); }
   const Vec3& position() const { return position_; }
@@ -40,6 +45,28 @@ private:
   float pixel_;
   Vec2 middle_;
   float lens_radius_, focus_;
+};
+
+/// The camera while the shutter is open.
+class MovingCamera {
+public:
+  /// So many frames after the exposure.
+  explicit MovingCamera(const FrameScene& frame, double later = 0)
+      : states_(states_of(frame, later, [](const FrameScene& at) { return at.camera; })), resolution_(frame.film.resolution),
+        standing_(states_[0], resolution_) {}
+
+  CameraRays at(float time) const { return states_.size() == 1 ? standing_ : CameraRays(state_at(states_, time), resolution_); }
+  /// Around all its positions.
+  Box3 bounds() const {
+    Box3 box;
+    for (const Camera<SampledMode>& c : states_) box.extend(c.position);
+    return box;
+  }
+
+private:
+  std::vector<Camera<SampledMode>> states_;
+  Vec2i resolution_;
+  CameraRays standing_;
 };
 
 } // namespace kelpie

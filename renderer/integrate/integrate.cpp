@@ -23,6 +23,7 @@ constexpr float k_far = 1e10f;
 struct Channels {
   std::array<float*, 4> rgba{};
   std::array<float*, 3> p{}, n{}, albedo{};
+  std::array<float*, 2> motion{};
   float *z = nullptr, *cost = nullptr;
 
   Channels(FrameImage& image, const std::vector<Aov>& aovs) {
@@ -37,6 +38,7 @@ struct Channels {
     if (wants(Aov::P)) add(p, {"P.X", "P.Y", "P.Z"});
     if (wants(Aov::N)) add(n, {"N.X", "N.Y", "N.Z"});
     if (wants(Aov::albedo)) add(albedo, {"albedo.R", "albedo.G", "albedo.B"});
+    if (wants(Aov::motion)) add(motion, {"motion.X", "motion.Y"});
     if (wants(Aov::cost)) image.add("cost"), names_.push_back({"cost", &cost});
     for (const auto& entry : names_) *entry.second = image.find(entry.first)->pixels.data(); // stable now that all are there
   }
@@ -54,9 +56,10 @@ class FrameIntegrator {
 public:
   FrameIntegrator(const FrameScene& frame, const Tracer& tracer, const std::vector<Light>& lights, const PixelBox& window,
                   IntegrateResult& out)
-      : frame_(frame), paths_(tracer, lights, frame), camera_(frame.camera, frame.film.resolution), filter_(frame.film.filter),
-        window_(window), out_(out), channels_(out.image, frame.film.aovs), camera_inside_(tracer.shapes_around(frame.camera.position)),
-        frame_number_(static_cast<uint32_t>(std::llround(frame.frame))) {}
+      : frame_(frame), tracer_(tracer), paths_(tracer, lights, frame), camera_(frame), next_camera_(frame, 1), filter_(frame.film.filter),
+        window_(window), out_(out), channels_(out.image, frame.film.aovs), surroundings_(tracer, camera_.bounds()),
+        frame_number_(static_cast<uint32_t>(std::llround(frame.frame))), is_exposed_(frame.moment && frame.camera.shutter > 0),
+        batch_(static_cast<int>(tracer.slab_count())) {}
 
   void tile(int x0, int y0) {
     flush_denormals_in_this_thread();
@@ -83,47 +86,69 @@ private:
     int hits = 0;
     uint64_t evaluations = 0; ///< only where the film asks for `cost`
     PathResult central;       ///< of the sample nearest to the pixel's centre
+    Ray central_ray;          ///< as it left the camera
     float nearest = std::numeric_limits<float>::infinity();
 
-    void add(const PathResult& path, Vec2 offset) {
+    void add(const PathResult& path, Vec2 offset, const Ray& ray) {
       radiance += path.radiance;
       hits += path.is_hit;
       if (path.is_hit) albedo += path.albedo;
-      if (const float distance = glm::dot(offset, offset); distance < nearest) nearest = distance, central = path;
+      if (const float distance = glm::dot(offset, offset); distance < nearest)
+        nearest = distance, central = path, central_ray = ray;
     }
   };
 
-  /// Pixels side by side, a packet of paths for each sample. Which pixels share a packet does not show.
+  /// A path of one of a block's pixels, before it is followed.
+  struct Start {
+    Path path;
+    Vec2 offset;
+    size_t pixel;
+  };
+
+  /// Pixels side by side. Paths that share a packet had better share a slab of time: as many samples as there are slabs
+  /// are taken at once, of which the sampler puts one into each slab in every pixel. What shares a packet does not show.
   void block(const PixelBox& box, TileTally& tally) {
     std::array<PixelTally, k_block * k_block> pixels;
-    std::array<Vec2, k_block * k_block> offsets;
+    std::vector<Start> starts;
+    std::vector<const Start*> members; ///< of a slab
     std::vector<Path> paths;
-    paths.reserve(pixels.size());
+    starts.reserve(pixels.size() * static_cast<size_t>(batch_)), paths.reserve(pixels.size());
     const int spp = frame_.film.spp;
-    for (int s = 0; s < spp; ++s) {
-      paths.clear();
-      for (int y = box.y0; y < box.y1; ++y)
-        for (int x = box.x0; x < box.x1; ++x) paths.push_back(start(x, y, s, offsets[paths.size()]));
-      trace(paths, pixels, tally.rays);
-      for (size_t i = 0; i < paths.size(); ++i) {
-        PathResult& path = paths[i].result;
-        if (!is_finite(path.radiance)) {
-          ++tally.nonfinite, tally.where = place(box, i);
-          path.radiance = Vec3(0);
+    for (int first = 0; first < spp; first += batch_) {
+      starts.clear();
+      for (int s = first; s < std::min(first + batch_, spp); ++s)
+        for (int y = box.y0; y < box.y1; ++y)
+          for (int x = box.x0; x < box.x1; ++x) starts.push_back(start(x, y, s, starts.size() % box.area()));
+      for (int slab = 0; slab < batch_; ++slab) {
+        members.clear(), paths.clear();
+        for (const Start& s : starts)
+          if (static_cast<int>(s.path.ray.time * static_cast<float>(batch_)) == slab) members.push_back(&s), paths.push_back(s.path);
+        // In the last samples of a pixel a slab may have more than one.
+        for (size_t i = 0; i < paths.size(); i += pixels.size()) {
+          const std::span<Path> part = std::span(paths).subspan(i, std::min(pixels.size(), paths.size() - i));
+          trace(part, std::span(members).subspan(i, part.size()), pixels, tally.rays);
+          for (size_t j = 0; j < part.size(); ++j) add(part[j].result, *members[i + j], box, pixels, tally);
         }
-        pixels[i].add(path, offsets[i]);
       }
     }
-    for (size_t i = 0; i < paths.size(); ++i) store(out_.image.index(place(box, i).x, place(box, i).y), pixels[i]);
+    for (size_t i = 0; i < box.area(); ++i) store(out_.image.index(place(box, i).x, place(box, i).y), pixels[i]);
+  }
+
+  void add(PathResult& path, const Start& from, const PixelBox& box, std::span<PixelTally> pixels, TileTally& tally) const {
+    if (!is_finite(path.radiance)) {
+      ++tally.nonfinite, tally.where = place(box, from.pixel);
+      path.radiance = Vec3(0);
+    }
+    pixels[from.pixel].add(path, from.offset, from.path.ray);
   }
 
   /// For `cost` one by one: what a path evaluates in a packet depends on the others. What it finds does not.
-  void trace(std::span<Path> paths, std::span<PixelTally> pixels, RayCounters& counters) const {
+  void trace(std::span<Path> paths, std::span<const Start* const> from, std::span<PixelTally> pixels, RayCounters& counters) const {
     if (!channels_.cost) return paths_.trace(paths, counters);
     for (size_t i = 0; i < paths.size(); ++i) {
       const uint64_t before = counters.solve.total().evaluations;
       paths_.trace(paths.subspan(i, 1), counters);
-      pixels[i].evaluations += counters.solve.total().evaluations - before;
+      pixels[from[i]->pixel].evaluations += counters.solve.total().evaluations - before;
     }
   }
 
@@ -133,13 +158,16 @@ private:
     return {box.x0 + n % box.width(), box.y0 + n / box.width()};
   }
 
-  Path start(int x, int y, int sample, Vec2& offset) const {
+  Start start(int x, int y, int sample, size_t pixel) const {
     Sampler sampler(static_cast<uint32_t>(x), static_cast<uint32_t>(y), frame_number_, static_cast<uint32_t>(sample));
-    offset = filter_.offset(sampler.next_pair());
+    const Vec2 offset = filter_.offset(sampler.next_pair());
     const Vec2 lens = frame_.camera.aperture > 0 ? sampler.next_pair() : Vec2(0);
-    Ray ray = camera_.through(Vec2(x + 0.5f, y + 0.5f) + offset, lens);
-    ray.inside = camera_inside_;
-    return {ray, sampler};
+    const float time = is_exposed_ ? sampler.next_pair().x : 0;
+    const CameraRays camera = camera_.at(time);
+    Ray ray = camera.through(Vec2(x + 0.5f, y + 0.5f) + offset, lens);
+    ray.time = time;
+    ray.inside = surroundings_.shapes_around(camera.position(), time);
+    return {{ray, sampler}, offset, pixel};
   }
 
   void store(size_t i, const PixelTally& pixel) const {
@@ -150,22 +178,42 @@ private:
     Channels::set(channels_.albedo, i, pixel.albedo * share);
     // Geometry is not averaged: between two surfaces there is none.
     if (channels_.cost) channels_.cost[i] = static_cast<float>(pixel.evaluations) * share;
-    if (channels_.z) channels_.z[i] = central.is_hit ? camera_.depth(central.hit.position) : k_far;
+    if (channels_.z) channels_.z[i] = central.is_hit ? camera_.at(pixel.central_ray.time).depth(central.hit.position) : k_far;
+    if (channels_.motion[0]) {
+      const Vec2 way = motion(pixel);
+      channels_.motion[0][i] = way.x, channels_.motion[1][i] = way.y;
+    }
     Channels::set(channels_.p, i, central.is_hit ? central.hit.position : Vec3(0));
     Channels::set(channels_.n, i, central.is_hit ? central.hit.normal : Vec3(0));
+  }
+
+  /// From this frame to the next, in pixels: the surface with its velocity, seen by both cameras. What is infinitely far
+  /// moves by the camera alone.
+  Vec2 motion(const PixelTally& pixel) const {
+    const Ray& ray = pixel.central_ray;
+    const CameraRays now = camera_.at(ray.time), next = next_camera_.at(ray.time);
+    const bool is_hit = pixel.central.is_hit;
+    const Vec3 from = is_hit ? pixel.central.hit.position : now.position() + ray.direction;
+    const Vec3 to = is_hit ? from + tracer_.velocity(pixel.central.hit, ray.time) : next.position() + ray.direction;
+    const Vec2 way = next.film_of(to) - now.film_of(from);
+    const bool is_seen = next.depth(to) > 0 && std::isfinite(way.x) && std::isfinite(way.y); // else it passes the camera
+    return is_seen ? way : Vec2(0);
   }
 
   static bool is_finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
   const FrameScene& frame_;
+  const Tracer& tracer_;
   PathTracer paths_;
-  CameraRays camera_;
+  MovingCamera camera_, next_camera_; ///< in the exposure, and a frame later
   PixelFilterSampler filter_;
   PixelBox window_;
   IntegrateResult& out_;
   Channels channels_;
-  ShapeSet camera_inside_;
+  Surroundings surroundings_; ///< of the camera
   uint32_t frame_number_;
+  bool is_exposed_; ///< rays have times
+  int batch_;       ///< samples of a pixel that are taken at once
   std::mutex mutex_;
 };
 

@@ -2,7 +2,9 @@
 
 #include <cmath>
 
+#include "field/skeletons/range.h"
 #include "renderer/program/bound_blobs.h"
+#include "renderer/program/motion.h"
 
 namespace kelpie {
 
@@ -11,38 +13,31 @@ namespace {
 using Variable = Dual<Interval, 3>;
 
 /// A box of the world, seen from a space.
-struct LocalBox {
-  Box3d box;          ///< around its image
-  Vec3d centre, half; ///< the image of its centre, and how far the variables reach either way
-  Point3<Variable> p; ///< the coordinates in `box`, as functions of three variables
-};
+struct LocalBox : BoxPoint {
+  Box3d box; ///< around its image
 
-LocalBox local_box(const Box3d& box) {
-  const auto variable = [&](int i) { return Variable::variable({box.lower[i], box.upper[i]}, i); };
-  return {box, box.centre(), box.extent() * 0.5, {variable(0), variable(1), variable(2)}};
-}
+  /// The space's own coordinates are the variables.
+  explicit LocalBox(const Box3d& b) : BoxPoint(b), box(b) {}
+};
 
 /// Boxes in the spaces of a program, one after the other: a space's steps mostly are neighbours.
 class LocalBoxes {
 public:
-  LocalBoxes(const FieldProgram& program, const Box3d& box) : program_(program), world_(local_box(box)), last_(world_) {}
+  LocalBoxes(const FieldProgram& program, const Box3d& box) : program_(program), world_(box), last_(world_) {}
 
   const LocalBox& in_space(uint32_t space) {
     if (space == 0) return world_;
     if (space == last_space_) return last_;
     last_space_ = space;
-    last_ = program_.spaces[space].is_affine_in_world() ? through(program_.spaces[space].local_from_parent) : through_warps(space);
+    if (program_.motion && program_.motion->spaces[space])
+      last_ = LocalBox(image_in_space(program_, space, world_.box));
+    else
+      last_ = program_.spaces[space].is_affine_in_world() ? through(program_.spaces[space].local_from_parent) : through_warps(space);
     return last_;
   }
 
 private:
-  /// The space's own coordinates are the variables.
-  LocalBox through(const Affine& f) const {
-    const Vec3d c = f(world_.centre), h = world_.half;
-    Vec3d e(0);
-    for (int i = 0; i < 3; ++i) e += glm::abs(f.linear[i]) * h[i];
-    return local_box({c - e, c + e});
-  }
+  LocalBox through(const Affine& f) const { return LocalBox(image_of(f, world_.box)); }
 
   /// The world's coordinates are the variables. The image is bounded by the natural extension, met with the
   /// mean-value form.
@@ -77,26 +72,14 @@ Interval bound_blobs(const FieldProgram& program, std::span<const uint32_t> list
   if (list.empty()) return 0.0;
   size_t count = 0;
   out.resize(first + list.size() + k_blob_bound_slack);
-  const Interval range =
-      bound_blob_sum(program.blobs, list, Vec3(box.centre()), Vec3(box.extent() * 0.5) * (1 + 1e-6f), out.data() + first, count);
+  const Vec3 centre(box.centre()), half(Vec3(box.extent() * 0.5) * (1 + 1e-6f));
+  const Interval range = program.motion
+                             ? bound_moving_blob_sum(program.blobs, program.motion->end.blobs, program.motion->blobs_change, list, centre, half,
+                                                     out.data() + first, count)
+                             : bound_blob_sum(program.blobs, list, centre, half, out.data() + first, count);
   out.resize(first + count);
   step.count = static_cast<uint32_t>(count);
   return count == 0 ? Interval{0} : range;
-}
-
-Point3<Interval> value_of(const Point3<Variable>& p) { return {p.x.value, p.y.value, p.z.value}; }
-
-template <class Kind>
-Interval bound_skeleton(const Kind& kind, const LocalBox& at) {
-  const Box3d support{Vec3d(kind.support().lower), Vec3d(kind.support().upper)};
-  if (intersect(support, at.box).is_empty()) return 0.0;
-  // In a box that is larger than the leaf's influence slopes say nothing that the range does not.
-  if constexpr (requires { kind.radius; })
-    if (std::min({at.half.x, at.half.y, at.half.z}) > kind.radius) return kind.potential(value_of(at.p));
-  const Variable f = kind.potential(at.p);
-  const double at_centre = kind.potential(Point3<double>{at.centre.x, at.centre.y, at.centre.z});
-  const double reach = f.d[0].magnitude() * at.half.x + f.d[1].magnitude() * at.half.y + f.d[2].magnitude() * at.half.z;
-  return std::isfinite(reach) ? intersect(f.value, Interval{at_centre - reach, at_centre + reach}) : f.value;
 }
 
 Interval bound_node(const FieldProgram& program, const Code& code, const Instruction& step, const LocalBox& at,
@@ -107,9 +90,12 @@ Interval bound_node(const FieldProgram& program, const Code& code, const Instruc
         if constexpr (Operator<K>) {
           std::vector<Interval> operands;
           for (uint32_t i = 0; i < step.count; ++i) operands.push_back(ranges[code.operands[step.first + i]]);
-          return kind.combine(std::span<const Interval>(operands), program.threshold, step.demand);
+          const K& end = program.motion ? std::get<K>(program.motion->end.field.nodes[step.node]) : kind;
+          return moving_combine(kind, end, operands, threshold_range(program), step.demand);
         } else if constexpr (Skeleton<K>) {
-          return bound_skeleton(kind, at);
+          if (program.motion && program.motion->nodes[step.node])
+            return moving_potential_range(kind, std::get<K>(program.motion->end.field.nodes[step.node]), at.box);
+          return reaches(kind.support(), 0, at.box) ? potential_range(kind, at) : 0.0;
         } else {
           return 0.0;
         }
@@ -134,7 +120,13 @@ private:
     std::vector<Interval> operands;
     for (uint32_t i = 0; i < step.count; ++i) operands.push_back(ranges_[code_.operands[step.first + i]]);
     std::vector<char> kept(operands.size(), true);
-    kind.keep(operands, program_.threshold, demand, kept);
+    const Interval threshold = threshold_range(program_);
+    kind.keep(operands, threshold.lo, demand, kept);
+    if (threshold.width() > 0) { // what can matter at either end can matter between
+      std::vector<char> at_end(operands.size(), true);
+      kind.keep(operands, threshold.hi, demand, at_end);
+      for (size_t i = 0; i < kept.size(); ++i) kept[i] = kept[i] || at_end[i];
+    }
     const auto count = static_cast<size_t>(std::count(kept.begin(), kept.end(), char(true)));
     if (count == 0) return push({});
     const Demand below = kind.demand_of_operands(demand, count);

@@ -74,6 +74,76 @@ Interval BoundBlobSum(const BlobArrays& s, std::span<const uint32_t> list, const
   return intersect(Interval{total(lo), total(hi)}, Interval{middle - reach, middle + reach});
 }
 
+/// Numbers between two.
+struct Between {
+  V lo, hi;
+
+  Between(V a, V b) : lo(hn::Min(a, b)), hi(hn::Max(a, b)) {}
+  V magnitude() const { return hn::Max(hn::Abs(lo), hn::Abs(hi)); }
+};
+
+/// The potentials of blobs whose k, a and b are not one number each.
+struct MovingPotentials {
+  Between a, b, k;
+
+  /// Over the squared distances [near2, far2].
+  Between range(V near2, V far2) const {
+    const V zero = hn::Zero(k_lanes), one = set(1);
+    const V most = hn::Max(zero, hn::NegMulAdd(near2, k.lo, one)), least = hn::Max(zero, hn::NegMulAdd(far2, k.hi, one));
+    const V most2 = hn::Mul(most, most), least2 = hn::Mul(least, least);
+    const V lo = hn::Add(a.lo, hn::Min(hn::Mul(b.lo, least), hn::Mul(b.lo, most)));
+    const V hi = hn::Add(a.hi, hn::Max(hn::Mul(b.hi, least), hn::Mul(b.hi, most)));
+    Between r(zero, zero);
+    r.lo = hn::Min(hn::Mul(lo, most2), hn::Mul(lo, least2)), r.hi = hn::Max(hn::Mul(hi, most2), hn::Mul(hi, least2));
+    return r;
+  }
+  V steepest_between(V near2, V far2) const {
+    const Potentials most{a.magnitude(), b.magnitude(), k.hi};
+    const V peak = hn::Mul(hn::MulAdd(set(1.5397f), most.a, hn::Mul(set(1.7174f), most.b)), hn::Sqrt(k.hi));
+    const M rising = hn::Lt(hn::Mul(far2, k.hi), set(0.2f)), falling = hn::Gt(hn::Mul(near2, k.lo), set(1.f / 3));
+    const V d2 = hn::IfThenElse(rising, far2, near2), q = hn::Max(hn::Zero(k_lanes), hn::NegMulAdd(d2, k.lo, set(1)));
+    const V bend = hn::MulAdd(set(2), most.a, hn::Mul(hn::Mul(set(3), most.b), q));
+    const V slope = hn::Mul(hn::Mul(hn::Mul(set(2), hn::Sqrt(d2)), hn::Mul(k.hi, q)), bend);
+    return hn::IfThenElse(hn::Or(rising, falling), slope, peak);
+  }
+};
+
+/// As above, from the middle of each blob's way, in a box that is wider by half of it.
+Interval BoundMovingBlobSum(const BlobArrays& s, const BlobArrays& e, bool change, std::span<const uint32_t> list, const Vec3& centre,
+                            const Vec3& half, uint32_t* kept, size_t& count) {
+  V lo = hn::Zero(k_lanes), hi = lo, mean_lo = lo, mean_hi = lo;
+  count = 0;
+  for (size_t i = 0; i < list.size(); i += k_width) {
+    const auto is_one = hn::FirstN(k_number_lanes, list.size() - i);
+    const auto numbers = hn::MaskedLoad(is_one, k_number_lanes, list.data() + i);
+    const auto index = hn::BitCast(k_index_lanes, numbers);
+    const auto between = [&](std::vector<float> BlobArrays::*m, bool moves) {
+      const V start = hn::GatherIndex(k_lanes, (s.*m).data(), index);
+      return Between(start, moves ? hn::GatherIndex(k_lanes, (e.*m).data(), index) : start);
+    };
+    const V zero = hn::Zero(k_lanes), one_half = set(0.5f), wider = set(0.5f * (1 + 1e-5f));
+    const auto off = [&](const Between& x, float c) { return hn::Abs(hn::Sub(hn::Mul(one_half, hn::Add(x.lo, x.hi)), set(c))); };
+    const auto reach = [&](const Between& x, float h) { return hn::MulAdd(wider, hn::Sub(x.hi, x.lo), set(h)); };
+    const Between x = between(&BlobArrays::x, true), y = between(&BlobArrays::y, true), z = between(&BlobArrays::z, true);
+    const V dx = off(x, centre.x), dy = off(y, centre.y), dz = off(z, centre.z);
+    const V hx = reach(x, half.x), hy = reach(y, half.y), hz = reach(z, half.z);
+    const V near2 = length2(hn::Max(hn::Sub(dx, hx), zero), hn::Max(hn::Sub(dy, hy), zero), hn::Max(hn::Sub(dz, hz), zero));
+    const V radius = between(&BlobArrays::radius, change).hi, radius2 = hn::Mul(radius, radius);
+    const M reaches = hn::And(hn::RebindMask(k_lanes, is_one), hn::Lt(near2, radius2));
+    if (hn::AllFalse(k_lanes, reaches)) continue;
+    count += hn::CompressStore(numbers, hn::RebindMask(k_number_lanes, reaches), k_number_lanes, kept + count);
+    const V far2 = length2(hn::Add(dx, hx), hn::Add(dy, hy), hn::Add(dz, hz)), centre2 = length2(dx, dy, dz);
+    const MovingPotentials blobs{between(&BlobArrays::a, change), between(&BlobArrays::b, change), between(&BlobArrays::k, change)};
+    const Between range = blobs.range(near2, far2), middle = blobs.range(centre2, centre2);
+    const V most_change = hn::Mul(blobs.steepest_between(near2, hn::Min(far2, radius2)), hn::Sqrt(length2(hx, hy, hz)));
+    const auto add = [&](V& sum, V term) { sum = hn::Add(sum, hn::IfThenElseZero(reaches, term)); };
+    add(lo, range.lo), add(hi, range.hi);
+    add(mean_lo, hn::Sub(middle.lo, most_change)), add(mean_hi, hn::Add(middle.hi, most_change));
+  }
+  const auto total = [](V v) { return hn::GetLane(hn::SumOfLanes(k_lanes, v)); };
+  return intersect(Interval{total(lo), total(hi)}, Interval{total(mean_lo), total(mean_hi)});
+}
+
 } // namespace HWY_NAMESPACE
 } // namespace kelpie
 HWY_AFTER_NAMESPACE();
@@ -82,10 +152,16 @@ HWY_AFTER_NAMESPACE();
 namespace kelpie {
 
 HWY_EXPORT(BoundBlobSum);
+HWY_EXPORT(BoundMovingBlobSum);
 
 Interval bound_blob_sum(const BlobArrays& blobs, std::span<const uint32_t> list, const Vec3& centre, const Vec3& half, uint32_t* kept,
                         size_t& count) {
   return HWY_DYNAMIC_DISPATCH(BoundBlobSum)(blobs, list, centre, half, kept, count);
+}
+
+Interval bound_moving_blob_sum(const BlobArrays& start, const BlobArrays& end, bool change, std::span<const uint32_t> list,
+                               const Vec3& centre, const Vec3& half, uint32_t* kept, size_t& count) {
+  return HWY_DYNAMIC_DISPATCH(BoundMovingBlobSum)(start, end, change, list, centre, half, kept, count);
 }
 
 } // namespace kelpie

@@ -16,6 +16,11 @@ namespace kelpie {
 Interval bound_blob_sum(const BlobArrays&, std::span<const uint32_t> list, const Vec3& centre, const Vec3& half, uint32_t* kept,
                         size_t& count);
 
+/// The same where the blobs move: every number of each is anything between those of both arrays, and centres are
+/// anywhere on the segment between. Unless they `change` only the centres differ.
+Interval bound_moving_blob_sum(const BlobArrays& start, const BlobArrays& end, bool change, std::span<const uint32_t> list,
+                               const Vec3& centre, const Vec3& half, uint32_t* kept, size_t& count);
+
 inline constexpr size_t k_blob_bound_slack = 16;
 
 } // namespace kelpie

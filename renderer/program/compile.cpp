@@ -1,3 +1,4 @@
+#include <array>
 #include <optional>
 
 #include "renderer/program/program.h"
@@ -29,29 +30,25 @@ std::optional<double> similarity_scale(const Mat3d& m) {
   return std::sqrt(s2);
 }
 
-/// The box around the image of a box.
-Box3d map(const Affine& f, const Box3d& box) {
-  const Vec3d c = f(box.centre()), h = box.extent() * 0.5;
-  Vec3d e(0);
-  for (int i = 0; i < 3; ++i) e += glm::abs(f.linear[i]) * h[i];
-  return {c - e, c + e};
-}
-
+/// Compiles all moments in step: what decides about structure is asked of every one of them.
 class Compiler {
 public:
-  explicit Compiler(FieldProgram& out) : out_(out) { out_.spaces.push_back({}); }
+  explicit Compiler(std::vector<FieldProgram>& moments) : moments_(moments) {
+    for (FieldProgram& m : moments_) m.spaces.push_back({});
+  }
 
   void run() {
     Sum sum;
-    add_to_sum(static_cast<uint32_t>(out_.field.nodes.size() - 1), View{}, Demand::sign, sum);
+    add_to_sum(static_cast<uint32_t>(first().field.nodes.size() - 1), View{0, std::vector<Affine>(moments_.size())}, Demand::sign, sum);
     finish(sum);
+    for (size_t i = 1; i < moments_.size(); ++i) moments_[i].code = first().code;
   }
 
 private:
-  /// How a node sees the world: through an affine map from a space (the world, or that of a warp).
+  /// How a node sees the world: through an affine map from a space (the world, or that of a warp), one for each moment.
   struct View {
     uint32_t space = 0;
-    Affine space_from_here{};
+    std::vector<Affine> space_from_here;
   };
 
   /// A blend in the making: blobs by the space they live in, and everything else.
@@ -60,25 +57,34 @@ private:
     std::vector<uint32_t> others; ///< positions of steps
   };
 
+  /// Code is made once.
+  FieldProgram& first() { return moments_[0]; }
+  template <class Kind>
+  const Kind& node(size_t moment, uint32_t index) const {
+    return std::get<Kind>(moments_[moment].field.nodes[index]);
+  }
+
   /// Adds the subtree at `node`, with its view, to a sum: blends are flattened.
-  void add_to_sum(uint32_t node, const View& view, Demand demand, Sum& sum) {
+  void add_to_sum(uint32_t index, const View& view, Demand demand, Sum& sum) {
     std::visit(
         [&](const auto& kind) {
           using K = std::decay_t<decltype(kind)>;
           if constexpr (std::is_same_v<K, Blend<SampledMode>>) {
-            blend_ = node;
+            blend_ = index;
             const Demand below = kind.demand_of_operands(demand, kind.children.size());
             for (uint32_t child : kind.children) add_to_sum(child, view, below, sum);
           } else if constexpr (AffineWarp<K>) {
-            add_to_sum(kind.child, {view.space, view.space_from_here * kind.parent_from_child()}, demand, sum);
+            View below = view;
+            for (size_t i = 0; i < moments_.size(); ++i)
+              below.space_from_here[i] = view.space_from_here[i] * node<K>(i, index).parent_from_child();
+            add_to_sum(kind.child, below, demand, sum);
           } else if constexpr (Warp<K>) {
-            add_to_sum(kind.child, {push_space({view.space, inverse(view.space_from_here), node}), {}}, demand, sum);
+            add_to_sum(kind.child, {push_space(view, index), std::vector<Affine>(moments_.size())}, demand, sum);
           } else if constexpr (BlobSource<K>) {
-            BlobCloud cloud;
-            kind.append_blobs(cloud);
-            add_blobs(cloud, view, sum);
+            add_blobs<K>(index, view, sum);
           } else if constexpr (Skeleton<K>) {
-            add_skeleton(node, kind.support(), view, sum);
+            for (size_t i = 0; i < moments_.size(); ++i) extend_support(i, view, node<K>(i, index).support());
+            sum.others.push_back(emit({Instruction::Kind::skeleton, index, space_of(view), 0, 0, Demand::value}));
           } else {
             const std::vector<uint32_t> children = operands_of(kind);
             const Demand below = kind.demand_of_operands(demand, children.size());
@@ -88,41 +94,52 @@ private:
               add_to_sum(child, view, below, operand);
               operands.push_back(finish(operand));
             }
-            sum.others.push_back(emit_combine(node, operands, demand));
+            sum.others.push_back(emit_combine(index, operands, demand));
           }
         },
-        out_.field.nodes[node]);
+        first().field.nodes[index]);
   }
 
-  void add_blobs(const BlobCloud& cloud, const View& view, Sum& sum) {
-    const std::optional<double> scale = similarity_scale(view.space_from_here.linear);
-    const uint32_t space = scale ? view.space : space_of(view);
-    std::vector<uint32_t>& list = list_of(sum, space);
-    for (Blob blob : cloud) {
-      if (blob.weight == 0) continue;
-      extend_support(view, support(blob));
-      if (scale) {
-        blob.centre = Vec3(view.space_from_here(Vec3d(blob.centre)));
-        blob.radius = static_cast<float>(blob.radius * *scale);
+  template <class Kind>
+  void add_blobs(uint32_t index, const View& view, Sum& sum) {
+    std::vector<BlobCloud> clouds(moments_.size());
+    std::vector<double> scales;
+    for (size_t i = 0; i < moments_.size(); ++i) {
+      append_blobs(node<Kind>(i, index), clouds[i]);
+      if (const auto scale = similarity_scale(view.space_from_here[i].linear)) scales.push_back(*scale);
+    }
+    const bool is_folded = scales.size() == moments_.size();
+    std::vector<uint32_t>& list = list_of(sum, is_folded ? view.space : space_of(view));
+    for (size_t j = 0; j < clouds[0].size(); ++j) {
+      if (std::all_of(clouds.begin(), clouds.end(), [&](const BlobCloud& c) { return c[j].weight == 0; })) continue;
+      list.push_back(static_cast<uint32_t>(first().blobs.size()));
+      for (size_t i = 0; i < moments_.size(); ++i) {
+        Blob blob = clouds[i][j];
+        extend_support(i, view, support(blob));
+        if (is_folded) {
+          blob.centre = Vec3(view.space_from_here[i](Vec3d(blob.centre)));
+          blob.radius = static_cast<float>(blob.radius * scales[i]);
+        }
+        moments_[i].blobs.push(blob);
       }
-      list.push_back(static_cast<uint32_t>(out_.blobs.size()));
-      out_.blobs.push(blob);
     }
   }
 
-  void add_skeleton(uint32_t node, const Box3& box, const View& view, Sum& sum) {
-    extend_support(view, box);
-    Instruction step{Instruction::Kind::skeleton, node, space_of(view), 0, 0, Demand::value};
-    sum.others.push_back(emit(step));
+  template <class Kind>
+  void append_blobs(const Kind& kind, BlobCloud& out) const {
+    if constexpr (requires { kind.append_parts(out); })
+      if (moments_.size() > 1) return kind.append_parts(out);
+    kind.append_blobs(out);
   }
 
   /// One step for a finished sum; returns its position.
   uint32_t finish(const Sum& sum) {
     std::vector<uint32_t> terms;
     for (const auto& group : sum.blobs) {
-      const auto first = static_cast<uint32_t>(out_.code.blobs.size());
-      out_.code.blobs.insert(out_.code.blobs.end(), group.second.begin(), group.second.end());
-      terms.push_back(emit({Instruction::Kind::blobs, 0, group.first, first, static_cast<uint32_t>(group.second.size()), Demand::value}));
+      std::vector<uint32_t>& all = first().code.blobs;
+      const auto start = static_cast<uint32_t>(all.size());
+      all.insert(all.end(), group.second.begin(), group.second.end());
+      terms.push_back(emit({Instruction::Kind::blobs, 0, group.first, start, static_cast<uint32_t>(group.second.size()), Demand::value}));
     }
     terms.insert(terms.end(), sum.others.begin(), sum.others.end());
     if (terms.empty()) return emit({}); // only blobs of weight 0
@@ -130,15 +147,16 @@ private:
     return emit_combine(*blend_, terms, Demand::value); // several terms come from a blend only
   }
 
-  uint32_t emit_combine(uint32_t node, const std::vector<uint32_t>& operands, Demand demand) {
-    const auto first = static_cast<uint32_t>(out_.code.operands.size());
-    out_.code.operands.insert(out_.code.operands.end(), operands.begin(), operands.end());
-    return emit({Instruction::Kind::combine, node, 0, first, static_cast<uint32_t>(operands.size()), demand});
+  uint32_t emit_combine(uint32_t index, const std::vector<uint32_t>& operands, Demand demand) {
+    std::vector<uint32_t>& all = first().code.operands;
+    const auto start = static_cast<uint32_t>(all.size());
+    all.insert(all.end(), operands.begin(), operands.end());
+    return emit({Instruction::Kind::combine, index, 0, start, static_cast<uint32_t>(operands.size()), demand});
   }
 
   uint32_t emit(Instruction step) {
-    out_.code.steps.push_back(step);
-    return static_cast<uint32_t>(out_.code.steps.size() - 1);
+    first().code.steps.push_back(step);
+    return static_cast<uint32_t>(first().code.steps.size() - 1);
   }
 
   std::vector<uint32_t>& list_of(Sum& sum, uint32_t space) {
@@ -148,47 +166,60 @@ private:
   }
 
   uint32_t space_of(const View& view) {
-    if (view.space_from_here.linear == Mat3d(1.0) && view.space_from_here.offset == Vec3d(0.0)) return view.space;
-    return push_space({view.space, inverse(view.space_from_here), Space::k_no_warp});
+    const auto is_identity = [](const Affine& f) { return f.linear == Mat3d(1.0) && f.offset == Vec3d(0.0); };
+    if (std::all_of(view.space_from_here.begin(), view.space_from_here.end(), is_identity)) return view.space;
+    return push_space(view, Space::k_no_warp);
   }
 
   /// Siblings mostly come one after the other: the last space is the one to share.
-  uint32_t push_space(const Space& space) {
-    const Space& last = out_.spaces.back();
-    const bool is_last = out_.spaces.size() > 1 && last.parent == space.parent && last.warp == space.warp &&
-                         last.local_from_parent.linear == space.local_from_parent.linear &&
-                         last.local_from_parent.offset == space.local_from_parent.offset;
-    if (!is_last) out_.spaces.push_back(space);
-    return static_cast<uint32_t>(out_.spaces.size() - 1);
+  uint32_t push_space(const View& view, uint32_t warp) {
+    std::vector<Space> spaces;
+    bool is_last = first().spaces.size() > 1;
+    for (size_t i = 0; i < moments_.size(); ++i) {
+      const Space& space = spaces.emplace_back(Space{view.space, inverse(view.space_from_here[i]), warp});
+      const Space& last = moments_[i].spaces.back();
+      is_last = is_last && last.parent == space.parent && last.warp == space.warp &&
+                last.local_from_parent.linear == space.local_from_parent.linear &&
+                last.local_from_parent.offset == space.local_from_parent.offset;
+    }
+    if (!is_last)
+      for (size_t i = 0; i < moments_.size(); ++i) moments_[i].spaces.push_back(spaces[i]);
+    return static_cast<uint32_t>(first().spaces.size() - 1);
   }
 
-  void extend_support(const View& view, const Box3& box) {
-    Box3d image = map(view.space_from_here, {Vec3d(box.lower), Vec3d(box.upper)});
-    for (uint32_t i = view.space; i != 0; i = out_.spaces[i].parent) {
-      const Space& space = out_.spaces[i];
+  void extend_support(size_t moment, const View& view, const Box3& box) {
+    FieldProgram& out = moments_[moment];
+    Box3d image = image_of(view.space_from_here[moment], {Vec3d(box.lower), Vec3d(box.upper)});
+    for (uint32_t i = view.space; i != 0; i = out.spaces[i].parent) {
+      const Space& space = out.spaces[i];
       if (space.warp != Space::k_no_warp)
         std::visit(
             [&](const auto& kind) {
               if constexpr (Warp<std::decay_t<decltype(kind)>>) image = kind.image_of(image);
             },
-            out_.field.nodes[space.warp]);
-      image = map(inverse(space.local_from_parent), image);
+            out.field.nodes[space.warp]);
+      image = image_of(inverse(space.local_from_parent), image);
     }
-    out_.support.extend(image);
+    out.support.extend(image);
   }
 
-  FieldProgram& out_;
+  std::vector<FieldProgram>& moments_;
   std::optional<uint32_t> blend_; ///< any blend of the tree: they have no parameters, so one stands for all
 };
 
 } // namespace
 
+std::vector<FieldProgram> compile(std::vector<SampledField> moments, std::span<const double> thresholds) {
+  std::vector<FieldProgram> programs(moments.size());
+  for (size_t i = 0; i < moments.size(); ++i) programs[i].threshold = thresholds[i], programs[i].field = std::move(moments[i]);
+  Compiler(programs).run();
+  return programs;
+}
+
 FieldProgram compile(SampledField field, double threshold) {
-  FieldProgram program;
-  program.threshold = threshold;
-  program.field = std::move(field);
-  Compiler(program).run();
-  return program;
+  std::vector<SampledField> one;
+  one.push_back(std::move(field));
+  return std::move(compile(std::move(one), std::array{threshold})[0]);
 }
 
 } // namespace kelpie

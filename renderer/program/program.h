@@ -48,6 +48,8 @@ struct Space {
   bool is_affine_in_world() const { return parent == 0 && warp == k_no_warp; }
 };
 
+struct Motion;
+
 /// The compiled field of one shape. Leaves refer to `field`, so it is held here.
 struct FieldProgram {
   double threshold = 1;
@@ -56,6 +58,7 @@ struct FieldProgram {
   std::vector<Space> spaces; ///< parents before children; the first is the world
   Code code;                 ///< everything, not pruned
   Box3d support;             ///< the field is at most 0 outside
+  std::shared_ptr<const Motion> motion; ///< how all this changes over a slab of time (motion.h); null: it does not
 
   /// Number of blobs and skeletons.
   size_t element_count() const;
@@ -65,5 +68,10 @@ struct FieldProgram {
 /// warp is a similarity), any other warp becomes a space, nested blends become one sum, and all blobs of a
 /// sum in one space one step.
 FieldProgram compile(SampledField field, double threshold);
+
+/// The same for several moments of one tree, with one threshold each: programs of the same structure, that is, with the
+/// same code, the same spaces and as many blobs. What is done for one moment only if its numbers allow it is done if
+/// those of all moments do.
+std::vector<FieldProgram> compile(std::vector<SampledField> moments, std::span<const double> thresholds);
 
 } // namespace kelpie

@@ -43,7 +43,7 @@ inline uint32_t bits_of(M m) {
 /// Rays `first`, first + 1, … of a packet in their cell, as clip() has them.
 struct Segments {
   V3 origin, direction;
-  V t0, t1, entry;
+  V t0, t1, entry, time;
   M live;
 
   Segments(const RayLanes& rays, size_t first, const Box3& box)
@@ -52,7 +52,7 @@ struct Segments {
                                                                                                            load(rays.direction_y + first),
                                                                                                            load(rays.direction_z + first)} {
     const V near = load(rays.t_near + first);
-    entry = near, t1 = set(std::numeric_limits<float>::infinity());
+    entry = near, t1 = set(std::numeric_limits<float>::infinity()), time = load(rays.time + first);
     slab(box.lower.x, box.upper.x, origin.x, direction.x);
     slab(box.lower.y, box.upper.y, origin.y, direction.y);
     slab(box.lower.z, box.upper.z, origin.z, direction.z);
@@ -87,7 +87,7 @@ void settle(const Solver& solver, const ShapeCells& shape, const Cell& cell, con
     if (!(unsure >> i & 1)) continue;
     const Ray ray = rays.ray(first + i);
     float root;
-    if (!solver(shape, cell, {ray.origin, ray.direction, t0[i], t1[i], entry[i], false}, work, root)) continue;
+    if (!solver(shape, cell, {ray.origin, ray.direction, t0[i], t1[i], entry[i], false, ray.time}, work, root)) continue;
     root = std::max(root, entry[i]);
     t[i] = hits >> i & 1 ? std::min(root, t[i]) : root;
     hits |= 1u << i;

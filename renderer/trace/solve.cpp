@@ -5,7 +5,7 @@ namespace kelpie {
 Ray RayLanes::ray(size_t i) const {
   Ray r;
   r.origin = {origin_x[i], origin_y[i], origin_z[i]}, r.direction = {direction_x[i], direction_y[i], direction_z[i]};
-  r.t_near = t_near[i], r.t_far = t_far[i];
+  r.t_near = t_near[i], r.t_far = t_far[i], r.time = time[i];
   return r;
 }
 
@@ -20,7 +20,7 @@ bool clip(const Cell& cell, const Ray& ray, bool from_inside, RaySegment& out) {
   }
   if (!(t0 <= t1)) return false;
   const float pad = 1e-6f * (1 + std::abs(t1));
-  out = {ray.origin, ray.direction, std::max(t0 - pad, ray.t_near), t1 + pad, t0, from_inside};
+  out = {ray.origin, ray.direction, std::max(t0 - pad, ray.t_near), t1 + pad, t0, from_inside, ray.time};
   return true;
 }
 
@@ -52,11 +52,59 @@ uint32_t solve_one_by_one(const ShapeCells& shape, const Cell& cell, const RayLa
   return hits;
 }
 
-Vec3 cell_gradient(const ShapeCells& shape, const Cell& cell, const Vec3& p) {
+Vec3 cell_gradient(const ShapeCells& shape, const Cell& cell, const Vec3& p, float time) {
   switch (cell.content) {
   case Cell::Content::tree: return tree_gradient(shape, cell, p);
-  case Cell::Content::code: return Vec3(gradient(shape.program, shape.code(cell), Vec3d(p)));
-  default: return blobs_gradient(shape, cell, p);
+  case Cell::Content::code: {
+    const CodeView code = shape.code(cell);
+    return Vec3(gradient(at(shape.program, code, shape.slab_time(time)), code, Vec3d(p)));
+  }
+  default: return blobs_gradient(shape, cell, p, time);
+  }
+}
+
+namespace {
+
+/// The derivative of a sum of moving blobs by the slab's time, from the formulas of cells.h.
+double blobs_rate(const float* data, size_t n, bool is_pure, const Vec3d& p, double u) {
+  double sum = 0;
+  for (size_t i = 0; i < n; ++i) {
+    const auto start = [&](size_t array) { return double(data[array * n + i]); };
+    const auto change = [&](size_t array) { return double(data[((is_pure ? 5 : 7) + array) * n + i]); };
+    const Vec3d way(change(0), change(1), change(2)), d = p - (Vec3d(start(0), start(1), start(2)) + u * way);
+    const double k_rate = is_pure ? 0 : change(3), k = start(4) + u * k_rate, q = start(3) - k * glm::dot(d, d);
+    if (q <= 0) continue;
+    const double q_rate = 2 * k * glm::dot(d, way) - k_rate * glm::dot(d, d);
+    if (is_pure) {
+      sum += 2 * q * q_rate;
+    } else {
+      const double a = start(5) + u * change(4), b = start(6) + u * change(5);
+      sum += q * (2 * q_rate * (a + b * q) + q * (change(4) + change(5) * q + b * q_rate));
+    }
+  }
+  return sum;
+}
+
+/// By differences over a part of the slab.
+double code_rate(const ShapeCells& shape, const Cell& cell, const Vec3d& p, double u) {
+  constexpr double k_step = 1.0 / 16;
+  const CodeView code = shape.code(cell);
+  const double before = std::max(u - k_step, 0.0), after = std::min(u + k_step, 1.0);
+  const auto value = [&](double when) { return evaluate(at(shape.program, code, when), code, Point3<double>{p.x, p.y, p.z}); };
+  return (value(after) - value(before)) / (after - before);
+}
+
+} // namespace
+
+double cell_rate(const ShapeCells& shape, const Cell& cell, const Vec3& p, float time) {
+  if (!shape.program.motion) return 0;
+  const double u = shape.slab_time(time), threshold_rate = shape.program.motion->end.threshold - shape.program.threshold;
+  switch (cell.content) {
+  case Cell::Content::moving_pure_blobs:
+  case Cell::Content::moving_mixed_blobs:
+    return blobs_rate(shape.blobs(cell), cell.count, cell.content == Cell::Content::moving_pure_blobs, Vec3d(p), u) - threshold_rate;
+  case Cell::Content::code: return code_rate(shape, cell, Vec3d(p), u) - threshold_rate;
+  default: return -threshold_rate;
   }
 }
 

@@ -13,6 +13,7 @@ struct Ray {
   Vec3 origin, direction; ///< direction: a unit vector
   float t_near = 0, t_far = std::numeric_limits<float>::infinity();
   ShapeSet inside; ///< the shapes that the ray starts in: their surfaces are met from within
+  float time = 0;  ///< while the shutter is open, 0 to 1
 };
 
 /// The part of a ray that lies in a cell: origin + t * direction (a unit vector), t in [t0, t1].
@@ -21,6 +22,7 @@ struct RaySegment {
   float t0, t1;
   float entry;      ///< where the ray enters the box; t0 is padded, and an answer before `entry` counts as `entry`
   bool from_inside; ///< the ray comes from inside the shape: the first crossing outward is sought
+  float time = 0;   ///< that of the ray
 };
 
 /// The largest packet of rays.
@@ -30,7 +32,7 @@ inline constexpr size_t k_packet = 16;
 struct RayLanes {
   size_t count;     ///< 4, 8 or 16
   const int* valid; ///< not 0: the lane takes part. All start outside the shape
-  const float *origin_x, *origin_y, *origin_z, *direction_x, *direction_y, *direction_z, *t_near, *t_far;
+  const float *origin_x, *origin_y, *origin_z, *direction_x, *direction_y, *direction_z, *t_near, *t_far, *time;
   bool any; ///< any hit will do (before t_far), not only the first
   Ray ray(size_t lane) const;
 };
@@ -92,15 +94,18 @@ bool solve(const ShapeCells&, const Cell&, const RaySegment&, SolveCounters&, fl
 /// lanes that do not hit, t is anything.
 uint32_t solve_lanes(const ShapeCells&, const Cell&, const RayLanes&, SolveCounters&, float* t);
 
-/// The gradient of the field at a point of a cell.
-Vec3 cell_gradient(const ShapeCells&, const Cell&, const Vec3& p);
+/// The gradient of the field at a point of a cell, at a ray's time.
+Vec3 cell_gradient(const ShapeCells&, const Cell&, const Vec3& p, float time);
+
+/// How fast field - threshold changes at a point of a cell, at a ray's time: by the time within the slab.
+double cell_rate(const ShapeCells&, const Cell&, const Vec3& p, float time);
 
 // The solvers behind `solve`:
 
 /// Sums of point blobs; SIMD, dispatched at run time.
 bool solve_blobs(const ShapeCells&, const Cell&, const RaySegment&, SolverWork&, float& t);
 uint32_t solve_blobs_lanes(const ShapeCells&, const Cell&, const RayLanes&, SolveCounters&, float* t);
-Vec3 blobs_gradient(const ShapeCells&, const Cell&, const Vec3& p);
+Vec3 blobs_gradient(const ShapeCells&, const Cell&, const Vec3& p, float time);
 /// Any cell, by `solve`.
 uint32_t solve_one_by_one(const ShapeCells&, const Cell&, const RayLanes&, SolveCounters&, float* t);
 /// Trees of cone-spheres; SIMD, dispatched at run time.

@@ -29,6 +29,14 @@ struct ActiveBlobs {
 
 inline constexpr int k_samples = 16;
 
+/// What a list of blobs holds (Cell::Content).
+template <Cell::Content C>
+struct BlobForm {
+  /// Quartic falloffs and positive weights only, weights folded into q. Then f = sum q^2.
+  static constexpr bool k_pure = C == Cell::Content::pure_blobs || C == Cell::Content::moving_pure_blobs;
+  static constexpr bool k_moving = C == Cell::Content::moving_pure_blobs || C == Cell::Content::moving_mixed_blobs;
+};
+
 } // namespace kelpie
 #endif
 
@@ -47,18 +55,41 @@ constexpr size_t k_vectors = k_samples / k_width;
 alignas(64) constexpr float k_places[k_samples] = {-1,       -13.f / 15, -11.f / 15, -9.f / 15, -7.f / 15, -5.f / 15, -3.f / 15, -1.f / 15,
                                                    1.f / 15, 3.f / 15,   5.f / 15,   7.f / 15,  9.f / 15,  11.f / 15, 13.f / 15, 1};
 
-/// Pure: quartic falloffs and positive weights only, weights folded into q. Then f = sum q^2.
-template <bool Pure>
+/// Some blobs of a list, at a time.
+template <Cell::Content C>
+struct BlobGroup {
+  BlobGroup(const float* blobs, size_t n, size_t i, V u) {
+    const Lanes l = k_lanes;
+    const auto number = [&](size_t array, size_t change) {
+      const V start = hn::LoadU(l, blobs + array * n + i);
+      if constexpr (BlobForm<C>::k_moving) return hn::MulAdd(hn::LoadU(l, blobs + change * n + i), u, start);
+      return start;
+    };
+    constexpr size_t first = BlobForm<C>::k_pure ? 5 : 7;
+    x = number(0, first), y = number(1, first + 1), z = number(2, first + 2);
+    s = hn::LoadU(l, blobs + 3 * n + i);
+    if constexpr (BlobForm<C>::k_pure)
+      k = hn::LoadU(l, blobs + 4 * n + i);
+    else
+      k = number(4, 10), w = number(5, 11), v = number(6, 12);
+  }
+
+  V x, y, z, s, k, w, v; ///< w and v only of mixed ones
+};
+
+template <Cell::Content C>
 class BlobSolver {
+  static constexpr bool k_pure = BlobForm<C>::k_pure;
+
 public:
   BlobSolver(float threshold, bool from_inside, SolverWork& work, ActiveBlobs& active)
       : threshold_(threshold), sign_(from_inside ? -1.f : 1.f), negligible_(1e-5f * threshold), work_(work), active_(active) {}
 
-  bool run(const float* blobs, size_t n, const RaySegment& ray, float& t) {
+  bool run(const float* blobs, size_t n, const RaySegment& ray, float slab_time, float& t) {
     const float middle = 0.5f * (ray.t0 + ray.t1);
     // A direction is a unit vector to 1e-7 only, which a tiny blob at the end of a long segment would feel.
     const float speed = glm::length(ray.direction), half = 0.5f * (ray.t1 - ray.t0) * speed;
-    const float most = set_up(blobs, n, ray.origin + middle * ray.direction, ray.direction / speed, half);
+    const float most = set_up(blobs, n, ray.origin + middle * ray.direction, ray.direction / speed, half, slab_time);
     if (sign_ > 0 && most < threshold_ * (1 - 1e-6f)) return false;
     float root;
     if (!first(-half, half, 0, root)) return false;
@@ -68,18 +99,17 @@ public:
 
 private:
   /// Fills the list of active blobs; returns an upper bound of the field on the segment.
-  float set_up(const float* blobs, size_t n, const Vec3& m, const Vec3& d, float half) {
+  float set_up(const float* blobs, size_t n, const Vec3& m, const Vec3& d, float half, float slab_time) {
     const Lanes l = k_lanes;
     active_.reserve(n);
     const V mx = hn::Set(l, m.x), my = hn::Set(l, m.y), mz = hn::Set(l, m.z);
     const V dx = hn::Set(l, d.x), dy = hn::Set(l, d.y), dz = hn::Set(l, d.z);
-    const V h = hn::Set(l, half), zero = hn::Zero(l);
+    const V h = hn::Set(l, half), zero = hn::Zero(l), u = hn::Set(l, slab_time);
     V curvature = zero, most = zero;
     size_t count = 0;
     for (size_t i = 0; i < n; i += k_width) {
-      const V x = hn::Sub(hn::LoadU(l, blobs + i), mx), y = hn::Sub(hn::LoadU(l, blobs + n + i), my),
-              z = hn::Sub(hn::LoadU(l, blobs + 2 * n + i), mz);
-      const V s = hn::LoadU(l, blobs + 3 * n + i), k = hn::LoadU(l, blobs + 4 * n + i);
+      const BlobGroup<C> group(blobs, n, i, u);
+      const V x = hn::Sub(group.x, mx), y = hn::Sub(group.y, my), z = hn::Sub(group.z, mz), s = group.s, k = group.k;
       const V along = hn::MulAdd(x, dx, hn::MulAdd(y, dy, hn::Mul(z, dz)));
       const V ax = hn::NegMulAdd(along, dx, x), ay = hn::NegMulAdd(along, dy, y), az = hn::NegMulAdd(along, dz, z);
       const V a = hn::NegMulAdd(k, hn::MulAdd(ax, ax, hn::MulAdd(ay, ay, hn::Mul(az, az))), s);
@@ -91,12 +121,12 @@ private:
       if (hn::AllFalse(l, reaches)) continue;
       hn::CompressStore(a, reaches, l, active_.a.data() + count);
       hn::CompressStore(b, reaches, l, active_.b.data() + count);
-      if constexpr (Pure) {
+      if constexpr (k_pure) {
         // q^2 with q scaled by the root s of the weight: C = 4 w k = 4 s (s k); upward 8.
         curvature = hn::Add(curvature, hn::IfThenElseZero(reaches, hn::Mul(s, k)));
         most = hn::Add(most, hn::IfThenElseZero(reaches, hn::Mul(q, q)));
       } else {
-        const V w = hn::LoadU(l, blobs + 5 * n + i), v = hn::LoadU(l, blobs + 6 * n + i);
+        const V w = group.w, v = group.v;
         hn::CompressStore(w, reaches, l, active_.w.data() + count);
         hn::CompressStore(v, reaches, l, active_.v.data() + count);
         // (4, 8) for q^2, (6, 4.8) for q^3: the first where the potential curves against us.
@@ -112,10 +142,10 @@ private:
     active_.count = count;
     for (size_t j = 0; j < k_width; ++j) { // so that whole vectors may be read: q = -1
       active_.a[count + j] = -1, active_.b[count + j] = active_.c[count + j] = 0;
-      if constexpr (!Pure) active_.w[count + j] = active_.v[count + j] = 0;
+      if constexpr (!k_pure) active_.w[count + j] = active_.v[count + j] = 0;
     }
     const float sum = hn::GetLane(hn::SumOfLanes(l, curvature));
-    curvature_ = 1.0001f * (Pure ? (sign_ > 0 ? 4 : 8) * sum : sum);
+    curvature_ = 1.0001f * (k_pure ? (sign_ > 0 ? 4 : 8) * sum : sum);
     return hn::GetLane(hn::SumOfLanes(l, most));
   }
 
@@ -133,7 +163,7 @@ private:
       const V a = hn::Set(l, active_.a[i]), b = hn::Set(l, active_.b[i]), c = hn::Set(l, active_.c[i]);
       for (size_t j = 0; j < k_vectors; ++j) {
         const V u = hn::MulSub(c, s[j], b), q = hn::Max(hn::NegMulAdd(u, u, a), zero);
-        if constexpr (Pure)
+        if constexpr (k_pure)
           f[j] = hn::MulAdd(q, q, f[j]);
         else
           f[j] = hn::MulAdd(hn::Mul(q, q), hn::MulAdd(hn::Set(l, active_.v[i]), q, hn::Set(l, active_.w[i])), f[j]);
@@ -151,7 +181,7 @@ private:
     for (size_t i = 0; i < active_.count; i += k_width) {
       const V u = hn::MulSub(hn::LoadU(l, &active_.c[i]), s, hn::LoadU(l, &active_.b[i]));
       const V q = hn::Max(hn::NegMulAdd(u, u, hn::LoadU(l, &active_.a[i])), zero);
-      if constexpr (Pure)
+      if constexpr (k_pure)
         f = hn::MulAdd(q, q, f);
       else
         f = hn::MulAdd(hn::Mul(q, q), hn::MulAdd(hn::LoadU(l, &active_.v[i]), q, hn::LoadU(l, &active_.w[i])), f);
@@ -215,37 +245,49 @@ private:
   ActiveBlobs& active_;
 };
 
+/// Calls run.operator()<content>() for the content of a cell of blobs.
+template <class Run>
+auto for_content(Cell::Content content, Run&& run) {
+  using C = Cell::Content;
+  switch (content) {
+  case C::pure_blobs: return run.template operator()<C::pure_blobs>();
+  case C::moving_pure_blobs: return run.template operator()<C::moving_pure_blobs>();
+  case C::moving_mixed_blobs: return run.template operator()<C::moving_mixed_blobs>();
+  default: return run.template operator()<C::mixed_blobs>();
+  }
+}
+
 bool SolveBlobs(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolverWork& work, float& t) {
   thread_local ActiveBlobs active;
-  const auto threshold = static_cast<float>(shape.program.threshold);
-  if (cell.content == Cell::Content::pure_blobs)
-    return BlobSolver<true>(threshold, ray.from_inside, work, active).run(shape.blobs(cell), cell.count, ray, t);
-  return BlobSolver<false>(threshold, ray.from_inside, work, active).run(shape.blobs(cell), cell.count, ray, t);
+  const float u = shape.slab_time(ray.time);
+  const auto threshold = static_cast<float>(threshold_at(shape.program, u));
+  return for_content(cell.content, [&]<Cell::Content C>() {
+    return BlobSolver<C>(threshold, ray.from_inside, work, active).run(shape.blobs(cell), cell.count, ray, u, t);
+  });
 }
 
 /// d/dp of q^2 (w + v q) with q = s - k |p - c|^2: -2 k q (2 w + 3 v q) (p - c).
-Vec3 BlobsGradient(const ShapeCells& shape, const Cell& cell, const Vec3& p) {
+template <Cell::Content C>
+Vec3 gradient_of(const float* blobs, size_t n, const Vec3& p, float slab_time) {
   const Lanes l = k_lanes;
-  const float* blobs = shape.blobs(cell);
-  const size_t n = cell.count;
-  const bool pure = cell.content == Cell::Content::pure_blobs;
-  const V px = hn::Set(l, p.x), py = hn::Set(l, p.y), pz = hn::Set(l, p.z), zero = hn::Zero(l);
+  const V px = hn::Set(l, p.x), py = hn::Set(l, p.y), pz = hn::Set(l, p.z), zero = hn::Zero(l), u = hn::Set(l, slab_time);
   V gx = zero, gy = zero, gz = zero;
   for (size_t i = 0; i < n; i += k_width) {
-    const V x = hn::Sub(px, hn::LoadU(l, blobs + i)), y = hn::Sub(py, hn::LoadU(l, blobs + n + i)),
-            z = hn::Sub(pz, hn::LoadU(l, blobs + 2 * n + i));
-    const V s = hn::LoadU(l, blobs + 3 * n + i), k = hn::LoadU(l, blobs + 4 * n + i);
-    const V q = hn::Max(hn::NegMulAdd(k, hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Mul(z, z))), s), zero);
+    const BlobGroup<C> group(blobs, n, i, u);
+    const V x = hn::Sub(px, group.x), y = hn::Sub(py, group.y), z = hn::Sub(pz, group.z);
+    const V q = hn::Max(hn::NegMulAdd(group.k, hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Mul(z, z))), group.s), zero);
     V slope = hn::Set(l, 2.f);
-    if (!pure) {
-      const V w = hn::LoadU(l, blobs + 5 * n + i), v = hn::LoadU(l, blobs + 6 * n + i);
-      slope = hn::MulAdd(hn::Mul(hn::Set(l, 3.f), v), q, hn::Add(w, w));
-    }
-    const V factor = hn::Mul(hn::Mul(k, q), slope);
+    if constexpr (!BlobForm<C>::k_pure) slope = hn::MulAdd(hn::Mul(hn::Set(l, 3.f), group.v), q, hn::Add(group.w, group.w));
+    const V factor = hn::Mul(hn::Mul(group.k, q), slope);
     gx = hn::MulAdd(factor, x, gx), gy = hn::MulAdd(factor, y, gy), gz = hn::MulAdd(factor, z, gz);
   }
   const auto total = [&](V g) { return -2 * hn::GetLane(hn::SumOfLanes(l, g)); };
   return {total(gx), total(gy), total(gz)};
+}
+
+Vec3 BlobsGradient(const ShapeCells& shape, const Cell& cell, const Vec3& p, float time) {
+  return for_content(cell.content,
+                     [&]<Cell::Content C>() { return gradient_of<C>(shape.blobs(cell), cell.count, p, shape.slab_time(time)); });
 }
 
 } // namespace HWY_NAMESPACE
@@ -262,8 +304,8 @@ bool solve_blobs(const ShapeCells& shape, const Cell& cell, const RaySegment& ra
   return HWY_DYNAMIC_DISPATCH(SolveBlobs)(shape, cell, ray, work, t);
 }
 
-Vec3 blobs_gradient(const ShapeCells& shape, const Cell& cell, const Vec3& p) {
-  return HWY_DYNAMIC_DISPATCH(BlobsGradient)(shape, cell, p);
+Vec3 blobs_gradient(const ShapeCells& shape, const Cell& cell, const Vec3& p, float time) {
+  return HWY_DYNAMIC_DISPATCH(BlobsGradient)(shape, cell, p, time);
 }
 
 } // namespace kelpie

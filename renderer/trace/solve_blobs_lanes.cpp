@@ -23,17 +23,18 @@
 #define KELPIE_SOLVE_BLOBS_LANES_ONCE
 namespace kelpie {
 
-/// The quadratics q(s) = a - (r s - e)^2 of the blobs that some lane meets, with potential q^2 (w + v q): a and
-/// e of each lane, then what the lanes share.
+/// The quadratics q(s) = a - (r s - e)^2 of the blobs that some lane meets, with potential q^2 (w + v q): what each lane
+/// has of its own (a and e; where blobs change over time r, w and v too), then what the lanes share.
 struct LaneBlobs {
-  hwy::AlignedFreeUniquePtr<float[]> ae;
+  static constexpr size_t k_most_own = 5;
+  hwy::AlignedFreeUniquePtr<float[]> own;
   std::vector<float> r, w, v;
   size_t capacity = 0, count = 0;
 
   void reserve(size_t n) {
     if (capacity >= n) return;
     capacity = n;
-    ae = hwy::AllocateAligned<float>(n * 2 * k_packet);
+    own = hwy::AllocateAligned<float>(n * k_most_own * k_packet);
     for (auto* list : {&r, &w, &v}) list->resize(n);
   }
 };
@@ -50,12 +51,19 @@ HWY_BEFORE_NAMESPACE();
 namespace kelpie {
 namespace HWY_NAMESPACE {
 
-/// Pure: quartic falloffs and positive weights only, weights folded into q. Then f = sum q^2.
-template <bool Pure>
+template <Cell::Content C>
 class LaneSolver {
+  using Content = Cell::Content;
+  /// Quartic falloffs and positive weights only, weights folded into q. Then f = sum q^2.
+  static constexpr bool k_pure = C == Content::pure_blobs || C == Content::moving_pure_blobs;
+  static constexpr bool k_moving = C == Content::moving_pure_blobs || C == Content::moving_mixed_blobs;
+  /// Radii and weights change over time, and lanes have times of their own.
+  static constexpr bool k_changing = C == Content::moving_mixed_blobs;
+  static constexpr size_t k_own = k_changing ? 5 : 2;
+
 public:
-  LaneSolver(float threshold, SolverWork& work, std::array<LaneBlobs, 2>& active)
-      : threshold_(threshold), negligible_(1e-5f * threshold), work_(work), active_(active) {}
+  LaneSolver(V threshold, V slab_time, SolverWork& work, std::array<LaneBlobs, 2>& active)
+      : threshold_(threshold), negligible_(hn::Mul(set(1e-5f), threshold)), slab_time_(slab_time), work_(work), active_(active) {}
 
   /// The lanes that hit, in `hit`; those that only the solver for single rays can answer, in `unsure`.
   /// `enough`: where a lane may stop at any point that is inside, up to this t.
@@ -68,7 +76,7 @@ public:
     d = {hn::Div(d.x, speed), hn::Div(d.y, speed), hn::Div(d.z, speed)};
     const V most = set_up(blobs, n, m, d, segments.live);
     hit = unsure = no_lanes();
-    live_ = hn::And(segments.live, hn::Ge(most, set(threshold_ * (1 - 1e-6f))));
+    live_ = hn::And(segments.live, hn::Ge(most, hn::Mul(threshold_, set(1 - 1e-6f))));
     if (none(live_)) return;
     V root;
     march(hn::Mul(hn::Sub(enough, middle), speed), hit, unsure, root);
@@ -82,8 +90,14 @@ private:
     const V zero = hn::Zero(k_lanes), minus_half = hn::Neg(half_);
     V curvature = zero, most = zero;
     for (size_t i = 0; i < n && blobs[3 * n + i] > 0; ++i) { // what pads the list has s < 0
-      const V3 c{hn::Sub(set(blobs[i]), m.x), hn::Sub(set(blobs[n + i]), m.y), hn::Sub(set(blobs[2 * n + i]), m.z)};
-      const V s = set(blobs[3 * n + i]), k = set(blobs[4 * n + i]);
+      // An array's number, at the lanes' times if it has changes.
+      const auto number = [&](size_t array, size_t changes) {
+        if constexpr (k_moving) return hn::MulAdd(set(blobs[changes * n + i]), slab_time_, set(blobs[array * n + i]));
+        return set(blobs[array * n + i]);
+      };
+      constexpr size_t k_changes = k_pure ? 5 : 7;
+      const V3 c{hn::Sub(number(0, k_changes), m.x), hn::Sub(number(1, k_changes + 1), m.y), hn::Sub(number(2, k_changes + 2), m.z)};
+      const V s = set(blobs[3 * n + i]), k = k_changing ? number(4, 10) : set(blobs[4 * n + i]);
       const V along = dot(c, d);
       const V3 across{hn::NegMulAdd(along, d.x, c.x), hn::NegMulAdd(along, d.y, c.y), hn::NegMulAdd(along, d.z, c.z)};
       const V a = hn::NegMulAdd(k, dot(across, across), s);
@@ -91,13 +105,22 @@ private:
       const V off = hn::Sub(hn::Min(hn::Max(along, minus_half), half_), along);
       const V q = hn::NegMulAdd(k, hn::Mul(off, off), a);
       const auto reaches = hn::And(live, hn::Gt(q, zero));
-      const float r = std::sqrt(blobs[4 * n + i]);
+      const float r = std::sqrt(blobs[4 * n + i]); // not if k_changing
+      const V own_r = k_changing ? hn::Sqrt(k) : set(r);
       // Where a lane does not meet the blob, it must not make a difference whether another does: q < 0 there.
       LaneBlobs& list = active_[i % 2];
-      put(list, hn::IfThenElse(reaches, a, set(-1)), hn::IfThenElseZero(reaches, hn::Mul(set(r), along)), r);
-      if constexpr (Pure) {
+      put(list, hn::IfThenElse(reaches, a, set(-1)), hn::IfThenElseZero(reaches, hn::Mul(own_r, along)), r);
+      if constexpr (k_pure) {
         curvature = hn::Add(curvature, hn::IfThenElseZero(reaches, hn::Mul(s, k)));
         most = hn::Add(most, hn::IfThenElseZero(reaches, hn::Mul(q, q)));
+      } else if constexpr (k_changing) {
+        const V w = number(5, 11), v = number(6, 12);
+        float* own = list.own.get() + k_own * k_width * list.count;
+        hn::Store(own_r, k_lanes, own + 2 * k_width), hn::Store(w, k_lanes, own + 3 * k_width), hn::Store(v, k_lanes, own + 4 * k_width);
+        const V bend = hn::Add(hn::Max(hn::Mul(set(4), w), hn::Mul(set(-8), w)), hn::Max(hn::Mul(set(6), v), hn::Mul(set(-4.8f), v)));
+        curvature = hn::Add(curvature, hn::IfThenElseZero(reaches, hn::Mul(bend, k)));
+        const V peak = hn::Mul(hn::Mul(q, q), hn::MulAdd(v, q, w));
+        most = hn::Add(most, hn::IfThenElseZero(reaches, hn::Max(peak, zero)));
       } else {
         const float w = blobs[5 * n + i], v = blobs[6 * n + i];
         list.w[list.count] = w, list.v[list.count] = v;
@@ -110,23 +133,31 @@ private:
     }
     for (int i : {0, 1}) // so that they may be read in pairs
       for (; active_[i].count < active_[1 - i].count; ++active_[i].count) put(active_[i], set(-1), zero, 0);
-    curvature_ = hn::Mul(set(Pure ? 4.0004f : 1.0001f), curvature);
+    curvature_ = hn::Mul(set(k_pure ? 4.0004f : 1.0001f), curvature);
     return most;
   }
 
   /// Writes behind the last blob.
   static void put(LaneBlobs& list, V a, V e, float r) {
-    hn::Store(a, k_lanes, list.ae.get() + 2 * k_width * list.count);
-    hn::Store(e, k_lanes, list.ae.get() + 2 * k_width * list.count + k_width);
+    float* own = list.own.get() + k_own * k_width * list.count;
+    hn::Store(a, k_lanes, own), hn::Store(e, k_lanes, own + k_width);
+    for (size_t i = 2; i < k_own; ++i) hn::Store(hn::Zero(k_lanes), k_lanes, own + i * k_width);
     list.r[list.count] = r, list.w[list.count] = list.v[list.count] = 0;
   }
 
   static V term(const LaneBlobs& list, size_t i, V s, V f) {
-    const float* ae = list.ae.get() + 2 * k_width * i;
-    const V off = hn::MulSub(set(list.r[i]), s, hn::Load(k_lanes, ae + k_width));
-    const V q = hn::Max(hn::NegMulAdd(off, off, hn::Load(k_lanes, ae)), hn::Zero(k_lanes));
-    if constexpr (Pure)
+    const float* own = list.own.get() + k_own * k_width * i;
+    V r;
+    if constexpr (k_changing)
+      r = hn::Load(k_lanes, own + 2 * k_width);
+    else
+      r = set(list.r[i]);
+    const V off = hn::MulSub(r, s, hn::Load(k_lanes, own + k_width));
+    const V q = hn::Max(hn::NegMulAdd(off, off, hn::Load(k_lanes, own)), hn::Zero(k_lanes));
+    if constexpr (k_pure)
       return hn::MulAdd(q, q, f);
+    else if constexpr (k_changing)
+      return hn::MulAdd(hn::Mul(q, q), hn::MulAdd(hn::Load(k_lanes, own + 4 * k_width), q, hn::Load(k_lanes, own + 3 * k_width)), f);
     else
       return hn::MulAdd(hn::Mul(q, q), hn::MulAdd(set(list.v[i]), q, set(list.w[i])), f);
   }
@@ -134,7 +165,7 @@ private:
   /// f - T, each lane at its place.
   V at(V s) const {
     work_.evaluations += hn::CountTrue(k_lanes, live_);
-    V even = set(-threshold_), odd = hn::Zero(k_lanes);
+    V even = hn::Neg(threshold_), odd = hn::Zero(k_lanes);
     for (size_t i = 0; i < active_[0].count; ++i) even = term(active_[0], i, s, even), odd = term(active_[1], i, s, odd);
     return hn::Add(even, odd);
   }
@@ -149,7 +180,7 @@ private:
   M may_hide(V g0, V g1, V bulge) const {
     const V rise = hn::Sub(g1, g0), quarter = set(0.25f);
     const V inner = hn::MulAdd(quarter, hn::Add(bulge, hn::Div(hn::Mul(rise, rise), bulge)), hn::Mul(set(0.5f), hn::Add(g0, g1)));
-    return hn::And(hn::And(hn::Ge(bulge, set(4 * negligible_)), hn::Lt(hn::Abs(rise), bulge)), hn::Ge(inner, set(negligible_)));
+    return hn::And(hn::And(hn::Ge(bulge, hn::Mul(set(4), negligible_)), hn::Lt(hn::Abs(rise), bulge)), hn::Ge(inner, negligible_));
   }
 
   /// C w^2 / 2
@@ -158,7 +189,7 @@ private:
   /// Whether a step from g0 < 0 to g >= 0 is so long that the first of several roots may not be the one that is found.
   M is_too_long(V g0, V g, V width) const {
     const V arch = bulge(hn::Mul(width, hn::Div(g0, hn::Sub(g0, g)))); // up to where the chord is 0
-    return hn::And(hn::Ge(arch, set(4 * negligible_)), hn::Gt(arch, hn::Mul(set(-0.5f), g0)));
+    return hn::And(hn::Ge(arch, hn::Mul(set(4), negligible_)), hn::Gt(arch, hn::Mul(set(-0.5f), g0)));
   }
 
   void march(V enough, M& hit, M& unsure, V& root) {
@@ -176,7 +207,7 @@ private:
       const auto below = hn::Lt(g, zero), marching = hn::AndNot(bracketed, live_);
 
       const auto inside = hn::And(hn::Gt(x, lo), hn::Lt(x, hi));
-      const auto close = hn::Le(hn::Abs(g), set(1e-6f * threshold_));
+      const auto close = hn::Le(hn::Abs(g), hn::Mul(set(1e-6f), threshold_));
       const auto found = hn::AndNot(hn::AndNot(close, inside), hn::And(bracketed, live_));
       root = hn::IfThenElse(found, hn::Min(hn::Max(x, lo), hi), root);
 
@@ -204,11 +235,11 @@ private:
     }
     // Two more roots may hide before the root, unless the bound is negative up to it.
     const V arch = bulge(hn::Sub(root, from));
-    const auto hidden = hn::And(hn::Gt(arch, hn::Neg(g_from)), hn::Ge(arch, set(4 * negligible_)));
+    const auto hidden = hn::And(hn::Gt(arch, hn::Neg(g_from)), hn::Ge(arch, hn::Mul(set(4), negligible_)));
     unsure = hn::Or(live_, hn::And(hn::And(hit, bracketed), hn::AndNot(hn::Le(root, enough), hidden)));
   }
 
-  float threshold_, negligible_;
+  V threshold_, negligible_, slab_time_;
   V half_;
   V curvature_; ///< C: f'' >= -C on the segment
   M live_;      ///< lanes without an answer
@@ -218,7 +249,7 @@ private:
   std::array<LaneBlobs, 2>& active_;
 };
 
-template <bool Pure>
+template <Cell::Content C>
 uint32_t SolveGroup(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, size_t first, SolveCounters& counters, float* t) {
   thread_local std::array<LaneBlobs, 2> active;
   const Segments segments(rays, first, cell.box);
@@ -227,7 +258,14 @@ uint32_t SolveGroup(const ShapeCells& shape, const Cell& cell, const RayLanes& r
   const V enough = rays.any ? hn::LoadU(k_lanes, rays.t_far + first) : set(-std::numeric_limits<float>::infinity());
   M hit, unsure;
   V at = hn::Zero(k_lanes);
-  LaneSolver<Pure>(static_cast<float>(shape.program.threshold), counters.blob_packets, active)
+  V slab_time = hn::Zero(k_lanes), threshold = set(static_cast<float>(shape.program.threshold));
+  if (shape.program.motion) {
+    const V since = hn::Mul(hn::Sub(segments.time, set(shape.slab_start)), set(shape.slabs));
+    slab_time = hn::Min(hn::Max(since, hn::Zero(k_lanes)), set(1));
+    const double change = shape.program.motion->end.threshold - shape.program.threshold;
+    if (change != 0) threshold = hn::MulAdd(set(static_cast<float>(change)), slab_time, threshold);
+  }
+  LaneSolver<C>(threshold, slab_time, counters.blob_packets, active)
       .run(shape.blobs(cell), cell.count, segments, enough, hit, unsure, at);
   hn::StoreU(at, k_lanes, t);
   uint32_t hits = bits_of(hit);
@@ -237,7 +275,11 @@ uint32_t SolveGroup(const ShapeCells& shape, const Cell& cell, const RayLanes& r
 
 uint32_t SolveBlobsLanes(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, SolveCounters& counters, float* t) {
   if (rays.count < k_width) return solve_one_by_one(shape, cell, rays, counters, t); // Embree was told to use narrow vectors
-  const auto group = cell.content == Cell::Content::pure_blobs ? SolveGroup<true> : SolveGroup<false>;
+  using Content = Cell::Content;
+  const auto group = cell.content == Content::pure_blobs          ? SolveGroup<Content::pure_blobs>
+                     : cell.content == Content::mixed_blobs       ? SolveGroup<Content::mixed_blobs>
+                     : cell.content == Content::moving_pure_blobs ? SolveGroup<Content::moving_pure_blobs>
+                                                                  : SolveGroup<Content::moving_mixed_blobs>;
   uint32_t hits = 0;
   for (size_t first = 0; first < rays.count; first += k_width) hits |= group(shape, cell, rays, first, counters, t + first) << first;
   return hits;

@@ -18,8 +18,8 @@ namespace {
 class CodeSolver {
 public:
   CodeSolver(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolverWork& work)
-      : program_(shape.program), code_(shape.code(cell)), origin_(ray.origin), direction_(ray.direction), sign_(ray.from_inside ? -1 : 1),
-        work_(work),
+      : code_(shape.code(cell)), program_(at(shape.program, code_, shape.slab_time(ray.time))), origin_(ray.origin),
+        direction_(ray.direction), sign_(ray.from_inside ? -1 : 1), work_(work),
         // Below this width a stretch of ray is a point: far below the offset of secondary rays.
         width_(std::max(1e-4 * cell.epsilon, 2e-7 * std::abs(double(ray.t1)))) {}
 
@@ -108,8 +108,8 @@ private:
     return b;
   }
 
-  const FieldProgram& program_;
   CodeView code_;
+  const FieldProgram& program_; ///< at the ray's time
   Vec3d origin_, direction_;
   double sign_;
   SolverWork& work_;

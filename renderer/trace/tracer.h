@@ -1,6 +1,9 @@
 // The tracer: rays against everything in a frame.
 #pragma once
 
+#include <optional>
+
+#include "field/motion.h"
 #include "renderer/cells/cell_scene.h"
 #include "renderer/cells/mesh_scene.h"
 #include "scene/scene.h"
@@ -13,6 +16,7 @@ struct Hit {
   Vec3 normal{0};     ///< unit, out of the shape (for a plane: its upper side); smooth on a mesh. It faces the ray
                       ///< where the surface does
   uint32_t shape = 0; ///< index into FrameScene::shapes
+  uint32_t cell = 0;  ///< of the shape, at the ray's time
   float epsilon = 0;  ///< offset of secondary rays along the normal, on the side where they start
   /// The ray comes out of the shape here; else it goes in. (What is below a plane is inside it.)
   bool is_leaving = false;
@@ -33,7 +37,37 @@ struct KeptScenes {
   std::shared_ptr<const CellScene> cells;
   CellLimits limits; ///< of `cells`
   std::shared_ptr<const MeshScene> meshes;
+  bool is_exposed = false; ///< `cells` were built for an open shutter
 };
+
+/// The states of something that costs nothing to keep, at this many equal steps of the exposure.
+inline constexpr int k_states = 65;
+
+/// Between states at equal steps of the exposure; of something that stands there is one.
+template <class Kind>
+Kind state_at(const std::vector<Kind>& states, float time) {
+  if (states.size() == 1) return states[0];
+  const float place = time * static_cast<float>(states.size() - 1);
+  const size_t i = std::min(static_cast<size_t>(place), states.size() - 2);
+  return interpolated(states[i], states[i + 1], place - static_cast<float>(i));
+}
+
+/// The states of what `part(FrameScene)` is of a scene, so many frames later.
+template <class Part>
+auto states_of(const FrameScene& frame, double later, Part&& part) {
+  const Exposure exposure = frame.exposure();
+  std::vector states{part(frame)};
+  if (exposure.length == 0) return states;
+  const auto first = part(frame.moment(exposure.start + later));
+  bool moves = false;
+  states.clear();
+  for (int i = 0; i < k_states; ++i) {
+    states.push_back(part(frame.moment(exposure.frame_at(double(i) / (k_states - 1)) + later)));
+    moves = moves || !is_same(states.back(), first);
+  }
+  if (!moves) states.resize(1);
+  return states;
+}
 
 /// The surfaces of a frame, ready for rays. Building runs in the current TBB arena.
 class Tracer {
@@ -49,8 +83,12 @@ public:
   uint32_t intersect(std::span<const Ray>, SolveCounters&, Hit*) const;
   uint32_t occluded(std::span<const Ray>, SolveCounters&) const;
 
-  /// The implicit shapes around a point, for Ray::inside.
-  ShapeSet shapes_around(const Vec3& p) const;
+  /// The velocity of the surface where a ray of this time hit it, along its normal: -F_t grad F / |grad F|^2 with F the field
+  /// minus the threshold. Scene units a frame. (Of what slides within the surface a field knows nothing.)
+  Vec3 velocity(const Hit&, float time) const;
+
+  /// The most slabs of time that any shape has, each of the same length: a packet's rays had better share a slab.
+  size_t slab_count() const { return cells_->slab_count(); }
 
   /// The box around all implicit shapes; empty if there are none.
   const Box3& bounds() const { return bounds_; }
@@ -61,9 +99,11 @@ public:
   size_t kept_cell_count() const { return kept_cells_; }
 
 private:
+  friend class Surroundings;
+
   /// An infinite plane and the shape that it is.
   struct PlaneShape {
-    Vec3 position, normal;
+    std::vector<Plane<SampledMode>> states; ///< see state_at
     uint32_t shape;
   };
 
@@ -71,11 +111,30 @@ private:
   bool meet_planes(const Ray&, Hit&) const;
   void complete(const Ray&, const CellHit&, Hit&) const;
 
+  double exposure_ = 0;                    ///< in frames
   std::shared_ptr<const CellScene> cells_; ///< one entry a shape of the frame
   std::vector<PlaneShape> planes_;
   std::shared_ptr<const MeshScene> meshes_;
   size_t kept_cells_ = 0;
   Box3 bounds_;
 };
+
+/// What the rays that start in a small box start in.
+class Surroundings {
+public:
+  Surroundings(const Tracer&, const Box3& where);
+  /// The implicit shapes around a point of the box, for Ray::inside.
+  ShapeSet shapes_around(const Vec3& p, float time) const;
+
+private:
+  /// What is left of a shape's program in the box, in a slab of time.
+  struct Slab {
+    const ShapeCells* cells;
+    std::optional<bool> is_inside; ///< if it is the same everywhere, always
+    Code code;                     ///< else
+  };
+  std::vector<std::vector<Slab>> shapes_;
+};
+
 
 } // namespace kelpie

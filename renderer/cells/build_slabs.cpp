@@ -1,0 +1,75 @@
+#include <bit>
+
+#include "renderer/cells/cells.h"
+
+namespace kelpie {
+
+namespace {
+
+/// Cells hold what passes through them in their slab, so they swell with the way that things go in it; more slabs take longer to
+/// build. In radii of influence.
+constexpr double k_most_motion = 1.01;
+/// The interpolation is at most this far from the motion in the middle of a slab and at its breaks: in radii of influence,
+/// or relative for what is no length. Blurred, it does not show.
+constexpr double k_tolerance = 0.005;
+/// A slab ends this much earlier (of the open shutter), so that a step at its end belongs to the next.
+constexpr double k_before_the_end = 1e-9;
+
+/// A slab of time, in motion.
+struct Slab {
+  FieldProgram program;
+  bool is_fine = true; ///< interpolation is good enough
+  double moved = 0;    ///< in radii of influence
+};
+
+Slab make_slab(const CompileAt& compile_at, std::span<const double> breaks, uint32_t index, uint32_t slabs) {
+  const double start = double(index) / slabs, end = double(index + 1) / slabs - k_before_the_end;
+  std::vector<double> times{start};
+  for (const double part : {0.25, 0.5, 0.75}) times.push_back(start + part * (end - start));
+  for (const double t : breaks)
+    if (t > start && t < end) times.push_back(t);
+  std::sort(times.begin(), times.end());
+  times.push_back(end);
+  std::vector<FieldProgram> programs = compile_at(times);
+  Slab slab{std::move(programs.front())};
+  slab.moved = difference(slab.program, programs.back()).place;
+  if (!set_in_motion(slab.program, std::move(programs.back()))) { // turns too fast to interpolate
+    slab.program = std::move(programs[2]);
+    slab.is_fine = false;
+    return slab;
+  }
+  for (size_t i = 1; i + 1 < times.size(); ++i) {
+    const FieldProgram& interpolated = at(slab.program, slab.program.code, (times[i] - start) / (end - start));
+    slab.is_fine = slab.is_fine && difference(interpolated, programs[i]).most <= k_tolerance;
+  }
+  return slab;
+}
+
+} // namespace
+
+Slabs build_slabs(const CompileAt& compile_at, std::span<const double> breaks, const CellLimits& limits) {
+  for (uint32_t n = 1;;) {
+    std::vector<Slab> slabs;
+    slabs.reserve(n);
+    bool is_fine = true;
+    double moved = 0;
+    for (uint32_t i = 0; i < n && (is_fine || n >= limits.slabs); ++i) {
+      slabs.push_back(make_slab(compile_at, breaks, i, n));
+      is_fine = is_fine && slabs.back().is_fine && slabs.back().moved <= k_most_motion;
+      moved = std::max(moved, slabs.back().moved);
+    }
+    if (is_fine || n >= limits.slabs) {
+      Slabs out;
+      for (uint32_t i = 0; i < n; ++i) {
+        ShapeCells cells = build_cells(std::move(slabs[i].program), limits);
+        cells.slab_start = static_cast<float>(i) / static_cast<float>(n), cells.slabs = static_cast<float>(n);
+        out.push_back(std::make_shared<const ShapeCells>(std::move(cells)));
+      }
+      return out;
+    }
+    const double wanted = std::min(double(limits.slabs), n * std::max(2.0, moved / k_most_motion));
+    n = std::bit_ceil(static_cast<uint32_t>(std::ceil(wanted)));
+  }
+}
+
+} // namespace kelpie

@@ -1,0 +1,317 @@
+#include "renderer/program/motion.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "field/motion.h"
+
+namespace kelpie {
+
+namespace {
+
+using Node = FieldKinds::Variant<SampledMode>;
+
+/// Calls visit(kind of a, kind of b): two nodes of one place in the tree.
+template <class Visit>
+auto visit_both(const Node& a, const Node& b, Visit&& visit) {
+  return std::visit([&](const auto& kind) { return visit(kind, std::get<std::decay_t<decltype(kind)>>(b)); }, a);
+}
+
+Affine interpolate(const Affine& a, const Affine& b, double u) {
+  return {a.linear + (b.linear - a.linear) * u, a.offset + (b.offset - a.offset) * u};
+}
+
+void interpolate(const Node& a, const Node& b, double u, Node& out) {
+  std::visit(
+      [&](auto& kind) {
+        using K = std::decay_t<decltype(kind)>;
+        interpolate(std::get<K>(a), std::get<K>(b), u, kind);
+      },
+      out);
+}
+
+bool is_same(const Node& a, const Node& b) {
+  return visit_both(a, b, [](const auto& p, const auto& q) { return is_same(p, q); });
+}
+
+bool is_same(const Space& a, const Space& b) {
+  return a.local_from_parent.linear == b.local_from_parent.linear && a.local_from_parent.offset == b.local_from_parent.offset;
+}
+
+bool is_same(const BlobArrays& a, const BlobArrays& b) {
+  return a.x == b.x && a.y == b.y && a.z == b.z && a.k == b.k && a.a == b.a && a.b == b.b;
+}
+
+/// How far a moving warp may take points of a box from where its middle state takes them.
+template <class Kind>
+double displacement(const Kind& middle, const Kind& a, const Kind& b, const Box3d& box) {
+  if constexpr (requires { middle.displacement_from(a, box); })
+    if (!is_same(a, b)) return std::max(middle.displacement_from(a, box), middle.displacement_from(b, box));
+  return 0;
+}
+
+/// Whatever an interpolated map takes into `box`; false if one may have no inverse. With M the linear part in the middle, half
+/// its change E M and p = c + r: p = M^-1 (q - offset) - s E p, |s| <= 1, so |r| <= (|q'| + |E c|) / (1 - |E|).
+bool preimage(const Affine& a, const Affine& b, Box3d& box) {
+  const Affine middle = inverse(interpolate(a, b, 0.5));
+  const Mat3d e = middle.linear * (b.linear - a.linear) * 0.5;
+  const double norm = std::sqrt(glm::dot(e[0], e[0]) + glm::dot(e[1], e[1]) + glm::dot(e[2], e[2]));
+  if (!(norm < 0.9)) return false;
+  box = image_of(middle, box);
+  const Vec3d shift = glm::abs(middle.linear * (b.offset - a.offset)) * 0.5;
+  box.lower -= shift, box.upper += shift;
+  if (norm == 0) return true;
+  const Vec3d c = box.centre();
+  const double reach = (0.5 * box.diagonal() + glm::length(e * c)) / (1 - norm);
+  box = {c - reach, c + reach};
+  return true;
+}
+
+/// Grows the support of a moving program by a box of a space, at all times.
+bool extend_support(FieldProgram& program, const Motion& motion, uint32_t space, Box3d box) {
+  for (uint32_t i = space; i != 0; i = program.spaces[i].parent) {
+    const Space &a = program.spaces[i], &b = motion.end.spaces[i];
+    if (a.warp != Space::k_no_warp)
+      std::visit(
+          [&](const auto& middle) {
+            using K = std::decay_t<decltype(middle)>;
+            if constexpr (Warp<K>)
+              box = middle.image_of(box).padded(
+                  displacement(middle, std::get<K>(program.field.nodes[a.warp]), std::get<K>(motion.end.field.nodes[a.warp]), box));
+          },
+          motion.middle.nodes[a.warp]);
+    if (!preimage(a.local_from_parent, b.local_from_parent, box)) return false;
+  }
+  program.support.extend(box);
+  return true;
+}
+
+bool extend_support(FieldProgram& program, const Motion& motion, const Instruction& step) {
+  if (step.kind == Instruction::Kind::blobs) {
+    Box3d box;
+    for (uint32_t j = 0; j < step.count; ++j)
+      for (const BlobArrays* s : std::initializer_list<const BlobArrays*>{&program.blobs, &motion.end.blobs}) {
+        const uint32_t i = program.code.blobs[step.first + j];
+        const Vec3d centre(s->x[i], s->y[i], s->z[i]), radius(s->radius[i] * (1 + 1e-6));
+        box.extend(Box3d{centre - radius, centre + radius});
+      }
+    return step.count == 0 || extend_support(program, motion, step.space, box);
+  }
+  if (step.kind != Instruction::Kind::skeleton) return true;
+  const Box3d box = visit_both(program.field.nodes[step.node], motion.end.field.nodes[step.node], [](const auto& a, const auto& b) -> Box3d {
+    if constexpr (Skeleton<std::decay_t<decltype(a)>>) {
+      const Box3 support = a.support();
+      return Box3d{Vec3d(support.lower), Vec3d(support.upper)}.padded(a.displacement_from(b) + std::abs(double(a.radius) - double(b.radius)));
+    }
+    return {};
+  });
+  return extend_support(program, motion, step.space, box);
+}
+
+/// A warp that cannot say how far it moves things stands in the middle of its way.
+void hold_unbounded_warps(FieldProgram& start, FieldProgram& end) {
+  for (size_t i = 0; i < start.field.nodes.size(); ++i)
+    std::visit(
+        [&](auto& a) {
+          using K = std::decay_t<decltype(a)>;
+          if constexpr (Warp<K> && !requires { a.displacement_from(a, Box3d{}); }) {
+            K& b = std::get<K>(end.field.nodes[i]);
+            a = interpolated(a, b, 0.5);
+            b = a;
+          }
+        },
+        start.field.nodes[i]);
+}
+
+} // namespace
+
+bool set_in_motion(FieldProgram& start, FieldProgram end) {
+  hold_unbounded_warps(start, end);
+  auto motion = std::make_shared<Motion>();
+  bool moves = start.threshold != end.threshold || !is_same(start.blobs, end.blobs);
+  for (size_t i = 0; i < start.field.nodes.size(); ++i) {
+    const Node &a = start.field.nodes[i], &b = end.field.nodes[i];
+    motion->nodes.push_back(!is_same(a, b));
+    motion->middle.nodes.push_back(a);
+    interpolate(a, b, 0.5, motion->middle.nodes.back());
+  }
+  for (size_t i = 0; i < start.spaces.size(); ++i) {
+    const Space& space = start.spaces[i];
+    const bool by_itself = !is_same(space, end.spaces[i]) || (space.warp != Space::k_no_warp && motion->nodes[space.warp]);
+    motion->spaces.push_back(by_itself || (i > 0 && motion->spaces[space.parent]));
+  }
+  for (const Instruction& step : start.code.steps)
+    moves = moves || motion->spaces[step.space] || (step.kind != Instruction::Kind::blobs && motion->nodes[step.node]);
+  if (!moves) return true;
+  const BlobArrays &s = start.blobs, &e = end.blobs;
+  motion->blobs_change = s.k != e.k || s.a != e.a || s.b != e.b || s.radius != e.radius;
+  motion->end = std::move(end);
+  const Box3d standing = start.support;
+  start.support = {};
+  for (const Instruction& step : start.code.steps)
+    if (!extend_support(start, *motion, step)) {
+      start.support = standing;
+      return false;
+    }
+  start.motion = std::move(motion);
+  return true;
+}
+
+const FieldProgram& at(const FieldProgram& program, const CodeView& code, double u) {
+  if (!program.motion) return program;
+  const Motion& motion = *program.motion;
+  FieldProgram& now = motion.now.local();
+  if (now.spaces.empty()) now = program, now.motion.reset();
+  now.threshold = threshold_at(program, u);
+  const auto f = static_cast<float>(u);
+  for (const Instruction& step : code.steps) {
+    if (step.kind == Instruction::Kind::blobs) {
+      const BlobArrays &a = program.blobs, &b = motion.end.blobs;
+      for (const uint32_t i : code.blobs.subspan(step.first, step.count)) {
+        const auto one = [&](std::vector<float> BlobArrays::*m) { (now.blobs.*m)[i] = interpolate((a.*m)[i], (b.*m)[i], f); };
+        one(&BlobArrays::x), one(&BlobArrays::y), one(&BlobArrays::z);
+        one(&BlobArrays::k), one(&BlobArrays::a), one(&BlobArrays::b);
+      }
+    } else if (motion.nodes[step.node]) {
+      interpolate(program.field.nodes[step.node], motion.end.field.nodes[step.node], u, now.field.nodes[step.node]);
+    }
+    for (uint32_t i = step.space; motion.spaces[i]; i = program.spaces[i].parent) {
+      const Space& space = program.spaces[i];
+      now.spaces[i].local_from_parent = interpolate(space.local_from_parent, motion.end.spaces[i].local_from_parent, u);
+      if (space.warp != Space::k_no_warp)
+        interpolate(program.field.nodes[space.warp], motion.end.field.nodes[space.warp], u, now.field.nodes[space.warp]);
+    }
+  }
+  return now;
+}
+
+Box3d image_in_space(const FieldProgram& program, uint32_t index, const Box3d& world) {
+  if (index == 0) return world;
+  const Motion& motion = *program.motion;
+  const Space &a = program.spaces[index], &b = motion.end.spaces[index];
+  const Box3d parent = image_in_space(program, a.parent, world);
+  // For a point that stays the interpolated image runs along a straight line.
+  Box3d box = image_of(a.local_from_parent, parent);
+  box.extend(image_of(b.local_from_parent, parent));
+  if (a.warp == Space::k_no_warp) return box;
+  return std::visit(
+      [&](const auto& middle) -> Box3d {
+        using K = std::decay_t<decltype(middle)>;
+        if constexpr (Warp<K>) {
+          const Point3<Interval> q =
+              middle.child_from_parent(Point3<Interval>{{box.lower.x, box.upper.x}, {box.lower.y, box.upper.y}, {box.lower.z, box.upper.z}});
+          const double pad =
+              displacement(middle, std::get<K>(program.field.nodes[a.warp]), std::get<K>(motion.end.field.nodes[a.warp]), box);
+          return Box3d{{q.x.lo, q.y.lo, q.z.lo}, {q.x.hi, q.y.hi, q.z.hi}}.padded(pad);
+        }
+        return box;
+      },
+      motion.middle.nodes[a.warp]);
+}
+
+// --- how much moves ---
+
+namespace {
+
+class Comparison {
+public:
+  Comparison(const FieldProgram& a, const FieldProgram& b) : a_(a), b_(b) {}
+
+  ProgramDifference run() {
+    rest(a_.threshold, b_.threshold);
+    for (const Instruction& step : a_.code.steps) {
+      if (step.kind == Instruction::Kind::blobs)
+        compare_blobs(step);
+      else
+        visit_both(a_.field.nodes[step.node], b_.field.nodes[step.node], [&](const auto& p, const auto& q) { compare(step, p, q); });
+    }
+    if (places_.empty()) return {0, most_};
+    const auto farthest = std::max_element(places_.begin(), places_.end());
+    most_ = std::max(most_, *farthest);
+    const auto nth = places_.begin() + std::ptrdiff_t(places_.size() * 98 / 100);
+    std::nth_element(places_.begin(), nth, places_.end());
+    return {*nth, most_};
+  }
+
+private:
+  void rest(double x, double y) {
+    if (x != y) most_ = std::max(most_, std::abs(x - y) / std::max(std::abs(x), std::abs(y)));
+  }
+
+  void compare_blobs(const Instruction& step) {
+    const BlobArrays &s = a_.blobs, &e = b_.blobs;
+    Box3d box;
+    double least = std::numeric_limits<double>::infinity();
+    for (uint32_t j = 0; j < step.count; ++j) {
+      const uint32_t i = a_.code.blobs[step.first + j];
+      const Vec3d p(s.x[i], s.y[i], s.z[i]), q(e.x[i], e.y[i], e.z[i]);
+      // 1 / sqrt(k) and not the radius, which interpolated programs do not have.
+      const double radius = 1 / std::sqrt(double(std::max(s.k[i], e.k[i])));
+      places_.push_back(glm::distance(p, q) / radius);
+      rest(s.k[i], e.k[i]);
+      most_ = std::max(most_, (std::abs(s.a[i] - e.a[i]) + std::abs(s.b[i] - e.b[i])) / a_.threshold);
+      box.extend(p), least = std::min(least, radius);
+    }
+    if (step.count > 0) compare_spaces(step.space, box.padded(least), least);
+  }
+
+  template <class Kind>
+  void compare(const Instruction& step, const Kind& p, const Kind& q) {
+    if constexpr (Skeleton<Kind>) {
+      const double radius = std::min(p.radius, q.radius);
+      places_.push_back(p.displacement_from(q) / radius);
+      rest(p.radius, q.radius), rest(p.weight, q.weight);
+      const Box3 support = p.support();
+      compare_spaces(step.space, {Vec3d(support.lower), Vec3d(support.upper)}, radius);
+    } else {
+      for_each_number<Kind>([&](const auto& row) {
+        const auto x = p.*(row.member), y = q.*(row.member);
+        if constexpr (std::is_same_v<decltype(x), const float>) rest(x, y);
+      });
+    }
+  }
+
+  /// Where the same points of the world are in a space: the corners of a box and its centre.
+  void compare_spaces(uint32_t space, const Box3d& box, double radius) {
+    if (space == 0) return;
+    for (int corner = 0; corner < 9; ++corner) {
+      Vec3d p = box.centre();
+      for (int i = 0; i < 3 && corner < 8; ++i) p[i] = corner >> i & 1 ? box.upper[i] : box.lower[i];
+      const Vec3d world = in_world(a_, space, p);
+      places_.push_back(glm::distance(in_space(a_, space, world), in_space(b_, space, world)) / radius);
+    }
+  }
+
+  static Vec3d in_world(const FieldProgram& program, uint32_t space, Vec3d p) {
+    for (uint32_t i = space; i != 0; i = program.spaces[i].parent) {
+      if (program.spaces[i].warp != Space::k_no_warp)
+        std::visit(
+            [&](const auto& kind) {
+              if constexpr (Warp<std::decay_t<decltype(kind)>>) {
+                const Point3<double> q = kind.parent_from_child(Point3<double>{p.x, p.y, p.z});
+                p = {q.x, q.y, q.z};
+              }
+            },
+            program.field.nodes[program.spaces[i].warp]);
+      p = inverse(program.spaces[i].local_from_parent)(p);
+    }
+    return p;
+  }
+
+  static Vec3d in_space(const FieldProgram& program, uint32_t space, const Vec3d& world) {
+    SpacePoints<double> points;
+    points.begin(program);
+    const Point3<double> p = points.at(program, space, {world.x, world.y, world.z});
+    return {p.x, p.y, p.z};
+  }
+
+  const FieldProgram &a_, &b_;
+  std::vector<double> places_;
+  double most_ = 0;
+};
+
+} // namespace
+
+ProgramDifference difference(const FieldProgram& a, const FieldProgram& b) { return Comparison(a, b).run(); }
+
+} // namespace kelpie

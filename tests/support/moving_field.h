@@ -1,0 +1,154 @@
+// Fields that move, and rays through them at random times, judged by the reference at the rays' times.
+#pragma once
+
+#include "tests/support/judge_rays.h"
+
+namespace kelpie {
+
+/// A tree at the beginning and at the end of the open shutter.
+struct MovingField {
+  SampledField start, end;
+};
+
+/// Numbers move linearly from one to the other.
+inline SampledField moving_field_at(const MovingField& field, double u) {
+  SampledField out = field.start;
+  for (size_t i = 0; i < out.nodes.size(); ++i)
+    std::visit(
+        [&](auto& kind) {
+          const auto& end = std::get<std::decay_t<decltype(kind)>>(field.end.nodes[i]);
+          interpolate(kind, end, u, kind);
+          if constexpr (requires { kind.cloud; }) {
+            auto cloud = std::make_shared<BlobCloud>(*kind.cloud);
+            for (size_t j = 0; j < cloud->size(); ++j) {
+              Blob& b = (*cloud)[j];
+              const Blob& e = (*end.cloud)[j];
+              b.centre = interpolate(b.centre, e.centre, u), b.radius = interpolate(b.radius, e.radius, u);
+              b.weight = interpolate(b.weight, e.weight, u);
+            }
+            kind.cloud = cloud;
+          }
+        },
+        out.nodes[i]);
+  return out;
+}
+
+/// From frame 0, where the shutter opens, to frame 1.
+inline FrameScene moving_scene(const MovingField& field, std::array<float, 2> thresholds) {
+  const auto moment = [field, thresholds](double t) {
+    FrameScene scene = scene_of(moving_field_at(field, t), interpolate(thresholds[0], thresholds[1], t));
+    scene.frame = t;
+    return scene;
+  };
+  FrameScene scene = moment(0.5);
+  scene.moment = moment, scene.camera.shutter = 1;
+  return scene;
+}
+
+/// The same field with one warp above each leaf: the engine interpolates the whole map from the world to where a leaf lives.
+inline reference::NodePtr with_warps_at_leaves(const reference::Node& node, const reference::Affine& here_from_world = {}) {
+  using Kind = reference::Node::Kind;
+  auto out = std::make_shared<reference::Node>(node);
+  if (node.kind == Kind::warp) {
+    const reference::Affine& w = node.child_from_parent;
+    reference::Affine all;
+    const auto column = [&](reference::Vec axis) { return w.direction(here_from_world.direction(axis)); };
+    const reference::Vec x = column({1, 0, 0}), y = column({0, 1, 0}), z = column({0, 0, 1});
+    all.rows = {reference::Vec{x.x, y.x, z.x}, reference::Vec{x.y, y.y, z.y}, reference::Vec{x.z, y.z, z.z}};
+    all.offset = w.point(here_from_world.offset);
+    return with_warps_at_leaves(*node.children[0], all);
+  }
+  if (node.kind == Kind::leaves) {
+    auto warp = std::make_shared<reference::Node>();
+    warp->kind = Kind::warp, warp->child_from_parent = here_from_world, warp->children = {out};
+    return warp;
+  }
+  for (reference::NodePtr& child : out->children) child = with_warps_at_leaves(*child, here_from_world);
+  return out;
+}
+
+/// What the engine traces within a slab of time: between the reference's pictures of both ends, whatever it has by numbers
+/// is interpolated, as the program's motion says (renderer/program/motion.h).
+inline reference::NodePtr reference_between(const reference::Node& a, const reference::Node& b, double u) {
+  auto out = std::make_shared<reference::Node>(a);
+  const auto mix = [u](double x, double y) { return x + (y - x) * u; };
+  const auto mix_vec = [u](reference::Vec x, reference::Vec y) { return x + (y - x) * u; };
+  for (size_t i = 0; i < a.leaves.size(); ++i) {
+    reference::Leaf& leaf = out->leaves[i];
+    const reference::Leaf& other = b.leaves[i];
+    const bool is_blob = a.leaves.size() > 1; // their 1/R^2 is what is interpolated
+    leaf.a = mix_vec(leaf.a, other.a), leaf.b = mix_vec(leaf.b, other.b), leaf.weight = mix(leaf.weight, other.weight);
+    leaf.radius =
+        is_blob ? 1 / std::sqrt(mix(1 / (leaf.radius * leaf.radius), 1 / (other.radius * other.radius))) : mix(leaf.radius, other.radius);
+  }
+  for (int i = 0; i < 3; ++i) out->child_from_parent.rows[i] = mix_vec(a.child_from_parent.rows[i], b.child_from_parent.rows[i]);
+  out->child_from_parent.offset = mix_vec(a.child_from_parent.offset, b.child_from_parent.offset);
+  for (size_t i = 0; i < a.children.size(); ++i) out->children[i] = reference_between(*a.children[i], *b.children[i], u);
+  return out;
+}
+
+/// Random rays, alone and in packets.
+inline Tally judge_moving_rays(const MovingField& field, std::array<float, 2> thresholds, int rays, CellLimits limits = {}) {
+  limits.slabs = 1; // within one slab the engine's motion is exactly what is said above
+  const FrameScene scene = moving_scene(field, thresholds);
+  const Tracer tracer(scene, limits);
+  Box3 box = tracer.bounds();
+  if (box.is_empty()) box = {Vec3(-1), Vec3(1)};
+  box = box.padded(0.01f * box.diagonal());
+  const reference::NodePtr start = with_warps_at_leaves(*reference_of(field.start)), end = with_warps_at_leaves(*reference_of(field.end));
+  std::vector<Question> questions;
+  std::vector<reference::NodePtr> nodes;
+  const auto threshold_of = [&](const Ray& ray) { return interpolate(thresholds[0], thresholds[1], ray.time); };
+  for (int i = 0; i < rays; ++i) {
+    Random r(i);
+    Question q{};
+    const auto time = float(r.uniform(0, 1));
+    const reference::NodePtr node = reference_between(*start, *end, time);
+    std::vector<reference::Leaf> leaves;
+    collect_leaves(*node, leaves);
+    q.ray = random_ray(r, box, leaves, i % 4 != 0);
+    q.ray.time = time;
+    q.at_origin = value(*node, reference_of(q.ray.origin), threshold_of(q.ray)) / threshold_of(q.ray);
+    if (std::abs(q.at_origin - 1) < 0.01) continue; // neither outside nor inside
+    if (q.at_origin > 1) q.ray.inside.add(0); // the only shape
+    questions.push_back(q), nodes.push_back(node);
+  }
+  Tally tally;
+  for (const Way way : {Way::alone, Way::in_packets}) {
+    ask(tracer, way, questions);
+    for (size_t i = 0; i < questions.size(); ++i)
+      judge_answer(questions[i], *nodes[i], threshold_of(questions[i].ray), box, tally);
+  }
+  return tally;
+}
+
+/// Points are folded through warps before they are interpolated, which the reference above does not do.
+enum class MovingTree { of_segments, with_points };
+
+/// A random tree, and the same with other numbers, as far away as things go in a slab.
+inline MovingField random_moving_tree(unsigned trial, int depth, MovingTree of = MovingTree::of_segments) {
+  MovingField field;
+  Random r(trial);
+  random_tree(r, depth, field.start);
+  if (of == MovingTree::of_segments)
+    for (auto& node : field.start.nodes)
+      if (const auto* p = std::get_if<Point<SampledMode>>(&node)) {
+        Segment<SampledMode> s;
+        s.from = s.to = p->centre, s.to.x += 0.3f, s.radius = p->radius, s.weight = p->weight, s.falloff = p->falloff;
+        node = s;
+      }
+  field.end = field.start;
+  for (auto& node : field.end.nodes)
+    if (r.below(4)) // some stand
+      std::visit(
+          [&]<template <class> class Kind>(Kind<SampledMode>& kind) {
+            using K = Kind<SampledMode>;
+            const K other = random_kind<Kind>(r);
+            interpolate(K(kind), other, std::is_same_v<K, Rotate<SampledMode>> ? 0.03 * r.uniform(0, 1) : 0.3 * r.uniform(0, 1), kind);
+            if constexpr (requires { kind.angle; }) kind.angle += float(r.uniform(-20, 20));
+          },
+          node);
+  return field;
+}
+
+} // namespace kelpie
