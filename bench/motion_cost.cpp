@@ -90,9 +90,9 @@ void measure(int count, int spp, int runs) {
     }
   const double still = median(build[0]) + median(render[0]);
   for (int m = 0; m < 3; ++m)
-    std::printf("%6d blobs, %-8s  build %.3f s  render %.3f s  ratio %.2f  (%zu slabs, %zu cells; a ray: %.2f cells, %.1f evaluations)\n", count, k_names[m], median(build[m]),
-                median(render[m]), (median(build[m]) + median(render[m])) / still, last[m].slabs, last[m].cells,
-                last[m].solved, last[m].evaluations);
+    std::printf("%6d blobs, %-8s  build %.3f s  render %.3f s  ratio %.2f  (%zu slabs, %zu cells; a ray: %.2f cells, %.1f evaluations)\n",
+                count, k_names[m], median(build[m]), median(render[m]), (median(build[m]) + median(render[m])) / still, last[m].slabs,
+                last[m].cells, last[m].solved, last[m].evaluations);
 }
 
 } // namespace

@@ -76,16 +76,20 @@ template <class K>
 concept BlobSource = requires(const K k, BlobCloud out) {
   k.append_blobs(out);
 };
-/// A leaf: `Box3 support()`, `Real potential(Point3<Real>)` for double, Interval and Dual, and `double
-/// displacement_from(other)`: how far its solid moves between two states, and any two states whose numbers are
-/// interpolated linearly between theirs (the Hausdorff distance; a bound will do). The potential is weight *
-/// falloff(d^2 / radius^2), d the distance to the solid.
+/// A leaf: `Box3 support()`, and `Real potential(Point3<Real>)` for double, Interval and Dual.
 template <class K>
 concept Skeleton = requires(const K k, Point3<double> p, Point3<Interval> b) {
   k.support();
   k.potential(p);
   k.potential(b);
+};
+/// A skeleton that can be followed while it changes: `double displacement_from(other)` is how far its solid moves between
+/// two states, and any two states whose numbers are interpolated linearly between theirs (the Hausdorff distance; a bound
+/// will do). The potential is weight * falloff(d^2 / radius^2), d the distance to the solid. Others stand in a slab of time.
+template <class K>
+concept MovingSkeleton = Skeleton<K> && requires(const K k) {
   k.displacement_from(k);
+  k.radius, k.weight, k.falloff;
 };
 /// A skeleton whose potential is weight * falloff(d^2/radius^2) of the distance to a cone-sphere:
 /// `ConeSphereSolid solid()`.
@@ -106,14 +110,19 @@ concept AffineWarp = requires(const K k) {
   k.parent_from_child();
 };
 /// Moves the space of its child in any other way: both directions, for every number type, and a box around the image of a
-/// box. One that can be followed while it changes has `double displacement_from(other, box)`: how far apart two states (or
-/// any two interpolated between them) take a point of the box, in either direction; others stand still in a slab of time.
+/// box.
 template <class K>
 concept Warp = requires(const K k, Point3<double> p, Point3<Interval> b) {
   k.child_from_parent(p);
   k.child_from_parent(b);
   k.parent_from_child(p);
   k.image_of(Box3d{});
+};
+/// One that can be followed while it changes: `double displacement_from(other, box)` is how far apart two states, and any two
+/// interpolated between them, take a point of the box, in either direction. Others stand in a slab of time.
+template <class K>
+concept MovingWarp = Warp<K> && requires(const K k) {
+  k.displacement_from(k, Box3d{});
 };
 
 } // namespace kelpie

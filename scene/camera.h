@@ -24,9 +24,7 @@ struct Camera {
         parameter("look_at", &Camera::look_at, "the point in the middle of the picture").in(Unit::length),
         parameter("up", &Camera::up, "the direction that is up in the picture").nonzero(),
         parameter("fov", &Camera::fov, "vertical field of view").in(Unit::degrees).above(0).below(180),
-        parameter("shutter", &Camera::shutter, "how long the shutter is open, centred on the frame")
-            .in(Unit::frames)
-            .at_least(0),
+        parameter("shutter", &Camera::shutter, "how long the shutter is open, centred on the frame").in(Unit::frames).at_least(0),
         parameter("aperture", &Camera::aperture, "diameter of the lens; 0: everything is sharp").in(Unit::length).at_least(0),
         parameter("focus", &Camera::focus, "distance of the plane in focus").in(Unit::length).above(0),
     };

@@ -386,7 +386,7 @@ Kind<SampledMode> random_other(const Kind<SampledMode>& kind, Random& r) {
 
 TEST(Conformance, MovingSkeletonsKeepTheirBounds) {
   for_each_field_kind([&]<template <class> class Kind>() {
-    if constexpr (Skeleton<Kind<SampledMode>>) {
+    if constexpr (MovingSkeleton<Kind<SampledMode>>) {
       int trivial = 0;
       for (unsigned trial = 0; trial < 5 * k_trials && !HasFailure(); ++trial) {
         SCOPED_TRACE(trial);
@@ -419,7 +419,7 @@ TEST(Conformance, MovingOperatorsKeepTheirBounds) {
 
 TEST(Conformance, MovingWarpsKeepTheirBounds) {
   for_each_field_kind([&]<template <class> class Kind>() {
-    if constexpr (requires(Kind<SampledMode> k) { k.displacement_from(k, Box3d{}); })
+    if constexpr (MovingWarp<Kind<SampledMode>>)
       for (unsigned trial = 0; trial < 5 * k_trials && !HasFailure(); ++trial) {
         SCOPED_TRACE(trial);
         Random r(trial);

@@ -300,10 +300,12 @@ TEST(Blur, APlaneThatRises) {
 
 // From inside a shape that comes and goes the camera sees its inside while it is there. (It comes at once: the stills' steps show.)
 TEST(Blur, TheShapeAroundTheCamera) {
-  expect_blur_is_mean([](double t) {
-    FrameScene scene = scene_of(field_of({Blob{Vec3(float(4 * t - 2), 0, 4), 2, 3, Falloff::quartic}}));
-    return scene;
-  }, 0.05);
+  expect_blur_is_mean(
+      [](double t) {
+        FrameScene scene = scene_of(field_of({Blob{Vec3(float(4 * t - 2), 0, 4), 2, 3, Falloff::quartic}}));
+        return scene;
+      },
+      0.05);
 }
 
 TEST(Blur, IsTheSameOnAnyNumberOfThreads) {
@@ -357,19 +359,27 @@ void expect_motion(const SceneAt& at, float shutter, double tolerance,
 TEST(Motion, OfABlobThatTravels) {
   const Vec3d way(0.3, -0.2, 0.1);
   for (const float shutter : {0.f, 1.f})
-    expect_motion([&](double t) { return scene_of(field_of({Blob{Vec3(way * (t - 3)), 1.5f, 2, Falloff::quartic}})); }, shutter, 2e-3,
-                  [&](const Vec3d&, const Vec3d& n, double) { return n * glm::dot(n, way); });
+    expect_motion(
+        [&](double t) {
+          return scene_of(field_of({Blob{Vec3(way * (t - 3)), 1.5f, 2, Falloff::quartic}}));
+        },
+        shutter, 2e-3, [&](const Vec3d&, const Vec3d& n, double) { return n * glm::dot(n, way); });
 }
 
 TEST(Motion, OfABlobThatGrowsAndOfThresholds) {
   // f = w (1 - r^2/R^2)^2 = T: the radius r of the surface changes with w, and as well with T.
   const auto radius = [](double weight, double threshold) { return 1.5 * std::sqrt(1 - std::sqrt(threshold / weight)); };
   const double h = 1e-4;
-  expect_motion([&](double t) { return scene_of(field_of({Blob{Vec3(0), 1.5f, float(2 + 0.3 * (t - 3)), Falloff::quartic}})); }, 0, 5e-3,
-                [&](const Vec3d&, const Vec3d& n, double) { return n * ((radius(2 + 0.3 * h, 1) - radius(2, 1)) / h); });
   expect_motion(
-      [&](double t) { return scene_of(field_of({Blob{Vec3(0), 1.5f, 2, Falloff::quartic}}), float(1 + 0.2 * (t - 3))); }, 0, 5e-3,
-      [&](const Vec3d&, const Vec3d& n, double) { return n * ((radius(2, 1 + 0.2 * h) - radius(2, 1)) / h); });
+      [&](double t) {
+        return scene_of(field_of({Blob{Vec3(0), 1.5f, float(2 + 0.3 * (t - 3)), Falloff::quartic}}));
+      },
+      0, 5e-3, [&](const Vec3d&, const Vec3d& n, double) { return n * ((radius(2 + 0.3 * h, 1) - radius(2, 1)) / h); });
+  expect_motion(
+      [&](double t) {
+        return scene_of(field_of({Blob{Vec3(0), 1.5f, 2, Falloff::quartic}}), float(1 + 0.2 * (t - 3)));
+      },
+      0, 5e-3, [&](const Vec3d&, const Vec3d& n, double) { return n * ((radius(2, 1 + 0.2 * h) - radius(2, 1)) / h); });
 }
 
 TEST(Motion, OfASegmentUnderAWarp) {

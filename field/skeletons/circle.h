@@ -41,6 +41,12 @@ convex. On the axis the potential has a crease, as the nearest point is not one.
 
   Box3 support() const { return frustum_support(centre, circle_radius, centre, circle_radius, radius, normal); }
 
+  /// How far the solid moves between two states, and any two states interpolated between them.
+  double displacement_from(const Circle& other) const {
+    return glm::distance(Vec3d(centre), Vec3d(other.centre)) + std::abs(double(circle_radius) - double(other.circle_radius)) +
+           std::max(circle_radius, other.circle_radius) * tilt(Vec3d(normal), Vec3d(other.normal));
+  }
+
   template <class Real>
   Real potential(const Point3<Real>& p) const {
     const AxisFrame frame{Vec3d(centre), Vec3d(normal)};

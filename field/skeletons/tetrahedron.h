@@ -42,6 +42,12 @@ Source: methods.md section 2, skeletons.)";
 
   Box3 support() const { return support_of_hull(std::array{a, b, c, d}, radius); }
 
+  /// How far the solid moves between two states, and any two states interpolated between them.
+  double displacement_from(const Tetrahedron& other) const {
+    return std::max({glm::distance(Vec3d(a), Vec3d(other.a)), glm::distance(Vec3d(b), Vec3d(other.b)),
+                     glm::distance(Vec3d(c), Vec3d(other.c)), glm::distance(Vec3d(d), Vec3d(other.d))});
+  }
+
   template <class Real>
   Real potential(const Point3<Real>& p) const {
     const Real d2 = squared_distance_to_hull(std::array{a, b, c, d}, p);

@@ -41,6 +41,12 @@ Source: methods.md section 2, skeletons.)";
 
   Box3 support() const { return TrianglePlane(a, b, c).support(0, radius); }
 
+  /// How far the solid moves between two states, and any two states interpolated between them.
+  double displacement_from(const FlatTriangle& other) const {
+    return std::max(
+        {glm::distance(Vec3d(a), Vec3d(other.a)), glm::distance(Vec3d(b), Vec3d(other.b)), glm::distance(Vec3d(c), Vec3d(other.c))});
+  }
+
   template <class Real>
   Real potential(const Point3<Real>& p) const {
     const TrianglePlane plane(a, b, c);

@@ -75,7 +75,7 @@ struct CellLimits {
   float side_in_radii = 2; ///< …and so does a side below this many radii of influence of its smallest element (finer: slower, and eight
                            ///< times the memory a halving)
   int depth = 24;
-  uint32_t slabs = 32; ///< the most slabs of time in which a shape moves
+  uint32_t slabs = 32;            ///< the most slabs of time in which a shape moves
   MemoryBudget* budget = nullptr; ///< what cells take is taken from it, if there is one
 };
 

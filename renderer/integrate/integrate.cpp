@@ -93,8 +93,7 @@ private:
       radiance += path.radiance;
       hits += path.is_hit;
       if (path.is_hit) albedo += path.albedo;
-      if (const float distance = glm::dot(offset, offset); distance < nearest)
-        nearest = distance, central = path, central_ray = ray;
+      if (const float distance = glm::dot(offset, offset); distance < nearest) nearest = distance, central = path, central_ray = ray;
     }
   };
 

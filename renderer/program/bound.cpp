@@ -73,10 +73,9 @@ Interval bound_blobs(const FieldProgram& program, std::span<const uint32_t> list
   size_t count = 0;
   out.resize(first + list.size() + k_blob_bound_slack);
   const Vec3 centre(box.centre()), half(Vec3(box.extent() * 0.5) * (1 + 1e-6f));
-  const Interval range = program.motion
-                             ? bound_moving_blob_sum(program.blobs, program.motion->end.blobs, program.motion->blobs_change, list, centre, half,
-                                                     out.data() + first, count)
-                             : bound_blob_sum(program.blobs, list, centre, half, out.data() + first, count);
+  const Interval range = program.motion ? bound_moving_blob_sum(program.blobs, program.motion->end.blobs, program.motion->blobs_change,
+                                                                list, centre, half, out.data() + first, count)
+                                        : bound_blob_sum(program.blobs, list, centre, half, out.data() + first, count);
   out.resize(first + count);
   step.count = static_cast<uint32_t>(count);
   return count == 0 ? Interval{0} : range;
@@ -93,8 +92,9 @@ Interval bound_node(const FieldProgram& program, const Code& code, const Instruc
           const K& end = program.motion ? std::get<K>(program.motion->end.field.nodes[step.node]) : kind;
           return moving_combine(kind, end, operands, threshold_range(program), step.demand);
         } else if constexpr (Skeleton<K>) {
-          if (program.motion && program.motion->nodes[step.node])
-            return moving_potential_range(kind, std::get<K>(program.motion->end.field.nodes[step.node]), at.box);
+          if constexpr (MovingSkeleton<K>)
+            if (program.motion && program.motion->nodes[step.node])
+              return moving_potential_range(kind, std::get<K>(program.motion->end.field.nodes[step.node]), at.box);
           return reaches(kind.support(), 0, at.box) ? potential_range(kind, at) : 0.0;
         } else {
           return 0.0;

@@ -45,7 +45,7 @@ bool is_same(const BlobArrays& a, const BlobArrays& b) {
 /// How far a moving warp may take points of a box from where its middle state takes them.
 template <class Kind>
 double displacement(const Kind& middle, const Kind& a, const Kind& b, const Box3d& box) {
-  if constexpr (requires { middle.displacement_from(a, box); })
+  if constexpr (MovingWarp<Kind>)
     if (!is_same(a, b)) return std::max(middle.displacement_from(a, box), middle.displacement_from(b, box));
   return 0;
 }
@@ -98,23 +98,27 @@ bool extend_support(FieldProgram& program, const Motion& motion, const Instructi
     return step.count == 0 || extend_support(program, motion, step.space, box);
   }
   if (step.kind != Instruction::Kind::skeleton) return true;
-  const Box3d box = visit_both(program.field.nodes[step.node], motion.end.field.nodes[step.node], [](const auto& a, const auto& b) -> Box3d {
-    if constexpr (Skeleton<std::decay_t<decltype(a)>>) {
-      const Box3 support = a.support();
-      return Box3d{Vec3d(support.lower), Vec3d(support.upper)}.padded(a.displacement_from(b) + std::abs(double(a.radius) - double(b.radius)));
-    }
-    return {};
-  });
+  const Box3d box =
+      visit_both(program.field.nodes[step.node], motion.end.field.nodes[step.node], [](const auto& a, const auto& b) -> Box3d {
+        using K = std::decay_t<decltype(a)>;
+        Box3d around;
+        if constexpr (Skeleton<K>) {
+          const Box3 support = a.support();
+          around = {Vec3d(support.lower), Vec3d(support.upper)};
+        }
+        if constexpr (MovingSkeleton<K>) around = around.padded(a.displacement_from(b) + std::abs(double(a.radius) - double(b.radius)));
+        return around;
+      });
   return extend_support(program, motion, step.space, box);
 }
 
-/// A warp that cannot say how far it moves things stands in the middle of its way.
-void hold_unbounded_warps(FieldProgram& start, FieldProgram& end) {
+/// What cannot say how far it moves stands in the middle of its way.
+void hold_unbounded(FieldProgram& start, FieldProgram& end) {
   for (size_t i = 0; i < start.field.nodes.size(); ++i)
     std::visit(
         [&](auto& a) {
           using K = std::decay_t<decltype(a)>;
-          if constexpr (Warp<K> && !requires { a.displacement_from(a, Box3d{}); }) {
+          if constexpr ((Warp<K> && !MovingWarp<K>) || (Skeleton<K> && !MovingSkeleton<K>)) {
             K& b = std::get<K>(end.field.nodes[i]);
             a = interpolated(a, b, 0.5);
             b = a;
@@ -126,7 +130,7 @@ void hold_unbounded_warps(FieldProgram& start, FieldProgram& end) {
 } // namespace
 
 bool set_in_motion(FieldProgram& start, FieldProgram end) {
-  hold_unbounded_warps(start, end);
+  hold_unbounded(start, end);
   auto motion = std::make_shared<Motion>();
   bool moves = start.threshold != end.threshold || !is_same(start.blobs, end.blobs);
   for (size_t i = 0; i < start.field.nodes.size(); ++i) {
@@ -198,8 +202,8 @@ Box3d image_in_space(const FieldProgram& program, uint32_t index, const Box3d& w
       [&](const auto& middle) -> Box3d {
         using K = std::decay_t<decltype(middle)>;
         if constexpr (Warp<K>) {
-          const Point3<Interval> q =
-              middle.child_from_parent(Point3<Interval>{{box.lower.x, box.upper.x}, {box.lower.y, box.upper.y}, {box.lower.z, box.upper.z}});
+          const Point3<Interval> q = middle.child_from_parent(
+              Point3<Interval>{{box.lower.x, box.upper.x}, {box.lower.y, box.upper.y}, {box.lower.z, box.upper.z}});
           const double pad =
               displacement(middle, std::get<K>(program.field.nodes[a.warp]), std::get<K>(motion.end.field.nodes[a.warp]), box);
           return Box3d{{q.x.lo, q.y.lo, q.z.lo}, {q.x.hi, q.y.hi, q.z.hi}}.padded(pad);
@@ -259,7 +263,10 @@ private:
   void compare(const Instruction& step, const Kind& p, const Kind& q) {
     if constexpr (Skeleton<Kind>) {
       const double radius = std::min(p.radius, q.radius);
-      places_.push_back(p.displacement_from(q) / radius);
+      if constexpr (MovingSkeleton<Kind>)
+        places_.push_back(p.displacement_from(q) / radius);
+      else
+        most_ = std::max(most_, is_same(p, q) ? 0.0 : 1.0);
       rest(p.radius, q.radius), rest(p.weight, q.weight);
       const Box3 support = p.support();
       compare_spaces(step.space, {Vec3d(support.lower), Vec3d(support.upper)}, radius);

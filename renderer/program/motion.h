@@ -10,11 +10,11 @@ namespace kelpie {
 /// A slab of time, u from 0 to 1: every compiled number of a program (centres, radii and weights of blobs as x y z k a b;
 /// affine maps of spaces; the numbers of the nodes; the threshold) is interpolated linearly between both ends.
 struct Motion {
-  FieldProgram end;            ///< at u = 1
-  SampledField middle;         ///< the nodes at u = 1/2
-  bool blobs_change = false;   ///< whether more of blobs than their centres moves
-  std::vector<char> nodes;     ///< whether each moves
-  std::vector<char> spaces;    ///< whether each moves, or one that it lies in
+  FieldProgram end;                                          ///< at u = 1
+  SampledField middle;                                       ///< the nodes at u = 1/2
+  bool blobs_change = false;                                 ///< whether more of blobs than their centres moves
+  std::vector<char> nodes;                                   ///< whether each moves
+  std::vector<char> spaces;                                  ///< whether each moves, or one that it lies in
   mutable tbb::enumerable_thread_specific<FieldProgram> now; ///< what at() returns
 };
 
@@ -29,7 +29,9 @@ const FieldProgram& at(const FieldProgram&, const CodeView&, double u);
 /// Around the image of a box of the world in a space, at all times.
 Box3d image_in_space(const FieldProgram&, uint32_t space, const Box3d&);
 
-inline Interval threshold_range(const FieldProgram& p) { return p.motion ? hull(p.threshold, p.motion->end.threshold) : Interval{p.threshold}; }
+inline Interval threshold_range(const FieldProgram& p) {
+  return p.motion ? hull(p.threshold, p.motion->end.threshold) : Interval{p.threshold};
+}
 inline double threshold_at(const FieldProgram& p, double u) {
   return p.motion ? p.threshold + (p.motion->end.threshold - p.threshold) * u : p.threshold;
 }

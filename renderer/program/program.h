@@ -55,9 +55,9 @@ struct FieldProgram {
   double threshold = 1;
   SampledField field;
   BlobArrays blobs;
-  std::vector<Space> spaces; ///< parents before children; the first is the world
-  Code code;                 ///< everything, not pruned
-  Box3d support;             ///< the field is at most 0 outside
+  std::vector<Space> spaces;            ///< parents before children; the first is the world
+  Code code;                            ///< everything, not pruned
+  Box3d support;                        ///< the field is at most 0 outside
   std::shared_ptr<const Motion> motion; ///< how all this changes over a slab of time (motion.h); null: it does not
 
   /// Number of blobs and skeletons.

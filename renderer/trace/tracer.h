@@ -136,5 +136,4 @@ private:
   std::vector<std::vector<Slab>> shapes_;
 };
 
-
 } // namespace kelpie

@@ -110,14 +110,13 @@ inline Tally judge_moving_rays(const MovingField& field, std::array<float, 2> th
     q.ray.time = time;
     q.at_origin = value(*node, reference_of(q.ray.origin), threshold_of(q.ray)) / threshold_of(q.ray);
     if (std::abs(q.at_origin - 1) < 0.01) continue; // neither outside nor inside
-    if (q.at_origin > 1) q.ray.inside.add(0); // the only shape
+    if (q.at_origin > 1) q.ray.inside.add(0);       // the only shape
     questions.push_back(q), nodes.push_back(node);
   }
   Tally tally;
   for (const Way way : {Way::alone, Way::in_packets}) {
     ask(tracer, way, questions);
-    for (size_t i = 0; i < questions.size(); ++i)
-      judge_answer(questions[i], *nodes[i], threshold_of(questions[i].ray), box, tally);
+    for (size_t i = 0; i < questions.size(); ++i) judge_answer(questions[i], *nodes[i], threshold_of(questions[i].ray), box, tally);
   }
   return tally;
 }
