@@ -92,9 +92,7 @@ private:
   static void append(const ShapeCells& part, ShapeCells& out) {
     for (Cell cell : part.cells) {
       cell.leaves += out.leaf_data.size(), cell.spaces += static_cast<uint32_t>(out.tree_spaces.size());
-      cell.first += cell.content == Cell::Content::code   ? out.steps.size()
-                    : cell.content == Cell::Content::tree ? out.tree_steps.size()
-                                                          : out.leaf_data.size();
+      cell.first += cell.has_code() ? out.steps.size() : cell.content == Cell::Content::tree ? out.tree_steps.size() : out.leaf_data.size();
       out.cells.push_back(cell);
     }
     const auto operands = static_cast<uint32_t>(out.operands.size()), blobs = static_cast<uint32_t>(out.blob_indices.size());
@@ -155,10 +153,29 @@ private:
     }
   }
 
+  /// Whether anything that a code needs is in motion.
+  bool moves(const Code& code) const {
+    if (!program_.motion) return false;
+    const Motion& motion = *program_.motion;
+    const BlobArrays &s = program_.blobs, &e = motion.end.blobs;
+    const auto blob_moves = [&](uint32_t i) {
+      return s.x[i] != e.x[i] || s.y[i] != e.y[i] || s.z[i] != e.z[i] || s.k[i] != e.k[i] || s.a[i] != e.a[i] || s.b[i] != e.b[i];
+    };
+    const auto step_moves = [&](const Instruction& step) {
+      if (step.kind == Instruction::Kind::combine) return bool(motion.nodes[step.node]);
+      return motion.spaces[step.space] || (step.kind == Instruction::Kind::skeleton && motion.nodes[step.node]);
+    };
+    return threshold_.lo != threshold_.hi || std::any_of(code.steps.begin(), code.steps.end(), step_moves) ||
+           std::any_of(code.blobs.begin(), code.blobs.end(), blob_moves);
+  }
+
   bool add_tree(const Code& code, Cell& cell, ShapeCells& out) const {
-    if (program_.motion) return false; // the numbers of its leaves are not linear in time
     const std::optional<Tree> tree = make_tree(program_, code, cell.box);
     if (!tree) return false;
+    if (moves(code)) { // the numbers of its leaves are not linear in time
+      cell.content = Cell::Content::moving_tree;
+      return false;
+    }
     const auto add = [](const auto& from, auto& to) {
       const size_t first = to.size();
       to.insert(to.end(), from.begin(), from.end());

@@ -19,8 +19,10 @@ struct Cell {
     moving_pure_blobs,  ///< as pure_blobs, and their centres move: after that x y z of the way they go in the slab
     moving_mixed_blobs, ///< as mixed_blobs, and anything of them moves: after that the changes of x y z k a b
     tree,               ///< sums, Booleans and cone-spheres that stand: see tree.h
+    moving_tree,        ///< the same in motion: kept as code, of which each ray makes its own tree
     code,               ///< anything else
   };
+  bool has_code() const { return content == Content::moving_tree || content == Content::code; }
   static constexpr size_t arrays(Content c) {
     return c == Content::pure_blobs ? 5 : c == Content::mixed_blobs ? 7 : c == Content::moving_pure_blobs ? 8 : 13;
   }

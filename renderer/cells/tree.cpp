@@ -36,7 +36,7 @@ std::optional<TreeStep::Kind> step_kind(Demand demand) {
 
 class TreeMaker {
 public:
-  TreeMaker(const FieldProgram& program, const Code& code, const Box3& cell) : program_(program), code_(code), cell_(cell) {}
+  TreeMaker(const FieldProgram& program, const CodeView& code, const Box3& cell) : program_(program), code_(code), cell_(cell) {}
 
   /// False if the code is no tree.
   std::optional<Tree> run() {
@@ -57,7 +57,7 @@ private:
     return std::visit([&](const auto& kind) { return step_kind<std::decay_t<decltype(kind)>>(step.demand); },
                       program_.field.nodes[step.node]);
   }
-  std::span<const uint32_t> operands(const Instruction& step) const { return std::span(code_.operands).subspan(step.first, step.count); }
+  std::span<const uint32_t> operands(const Instruction& step) const { return code_.operands.subspan(step.first, step.count); }
 
   /// Emits a step whose value comes to lie at `depth` of the stack.
   bool emit(uint32_t position, size_t depth, bool is_subtracted) {
@@ -114,7 +114,7 @@ private:
 
   bool add_blobs(const Instruction& step, bool is_subtracted) {
     const BlobArrays& s = program_.blobs;
-    for (const uint32_t i : std::span(code_.blobs).subspan(step.first, step.count)) {
+    for (const uint32_t i : code_.blobs.subspan(step.first, step.count)) {
       const Vec3d at(s.x[i], s.y[i], s.z[i]);
       if (!add(step.space, {at, at, 0, 0}, s.k[i], s.a[i], s.b[i], is_subtracted)) return false;
     }
@@ -208,7 +208,7 @@ private:
   }
 
   const FieldProgram& program_;
-  const Code& code_;
+  const CodeView& code_;
   Box3 cell_;
   std::vector<std::pair<uint32_t, Base>> bases_;
   std::vector<LeafNumbers> leaves_;
@@ -229,7 +229,7 @@ double turning(const FieldProgram& program, uint32_t space, const Box3& box) {
   return std::isnan(sum) ? std::numeric_limits<double>::infinity() : std::sqrt(sum);
 }
 
-std::optional<Tree> make_tree(const FieldProgram& program, const Code& code, const Box3& cell) {
+std::optional<Tree> make_tree(const FieldProgram& program, const CodeView& code, const Box3& cell) {
   return TreeMaker(program, code, cell).run();
 }
 

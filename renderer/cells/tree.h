@@ -8,7 +8,7 @@
 #include <span>
 
 #include "base/box.h"
-#include "renderer/program/program.h"
+#include "renderer/program/evaluate.h"
 
 namespace kelpie {
 
@@ -88,6 +88,8 @@ struct Tree {
   std::vector<float> leaves; ///< by rows
   bool is_monotone = true;
   uint32_t leaf_count = 0; ///< with padding
+
+  TreeView view() const { return {steps, spaces, leaves.data(), leaf_count, is_monotone}; }
 };
 
 /// How much the derivative of the map from the world to a space differs within a box, at most (Frobenius norm);
@@ -95,6 +97,6 @@ struct Tree {
 double turning(const FieldProgram& program, uint32_t space, const Box3& box);
 
 /// The tree of a cell, or nothing if `code` has a step that no tree has.
-std::optional<Tree> make_tree(const FieldProgram& program, const Code& code, const Box3& cell);
+std::optional<Tree> make_tree(const FieldProgram& program, const CodeView& code, const Box3& cell);
 
 } // namespace kelpie

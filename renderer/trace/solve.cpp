@@ -27,6 +27,7 @@ bool clip(const Cell& cell, const Ray& ray, bool from_inside, RaySegment& out) {
 bool solve(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolveCounters& counters, float& t) {
   switch (cell.content) {
   case Cell::Content::tree: ++counters.trees.cells; return solve_tree(shape, cell, ray, counters.trees, t);
+  case Cell::Content::moving_tree: ++counters.trees.cells; return solve_moving_tree(shape, cell, ray, counters.trees, t);
   case Cell::Content::code: ++counters.code.cells; return solve_code(shape, cell, ray, counters.code, t);
   default: ++counters.blobs.cells; return solve_blobs(shape, cell, ray, counters.blobs, t);
   }
@@ -35,6 +36,7 @@ bool solve(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, Sol
 uint32_t solve_lanes(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, SolveCounters& counters, float* t) {
   switch (cell.content) {
   case Cell::Content::tree: return solve_tree_lanes(shape, cell, rays, counters, t);
+  case Cell::Content::moving_tree:
   case Cell::Content::code: return solve_one_by_one(shape, cell, rays, counters, t);
   default: return solve_blobs_lanes(shape, cell, rays, counters, t);
   }
@@ -55,6 +57,7 @@ uint32_t solve_one_by_one(const ShapeCells& shape, const Cell& cell, const RayLa
 Vec3 cell_gradient(const ShapeCells& shape, const Cell& cell, const Vec3& p, float time) {
   switch (cell.content) {
   case Cell::Content::tree: return tree_gradient(shape, cell, p);
+  case Cell::Content::moving_tree:
   case Cell::Content::code: {
     const CodeView code = shape.code(cell);
     return Vec3(gradient(at(shape.program, code, shape.slab_time(time)), code, Vec3d(p)));
@@ -103,6 +106,7 @@ double cell_rate(const ShapeCells& shape, const Cell& cell, const Vec3& p, float
   case Cell::Content::moving_pure_blobs:
   case Cell::Content::moving_mixed_blobs:
     return blobs_rate(shape.blobs(cell), cell.count, cell.content == Cell::Content::moving_pure_blobs, Vec3d(p), u) - threshold_rate;
+  case Cell::Content::moving_tree:
   case Cell::Content::code: return code_rate(shape, cell, Vec3d(p), u) - threshold_rate;
   default: return -threshold_rate;
   }

@@ -110,6 +110,8 @@ Vec3 blobs_gradient(const ShapeCells&, const Cell&, const Vec3& p, float time);
 uint32_t solve_one_by_one(const ShapeCells&, const Cell&, const RayLanes&, SolveCounters&, float* t);
 /// Trees of cone-spheres; SIMD, dispatched at run time.
 bool solve_tree(const ShapeCells&, const Cell&, const RaySegment&, SolverWork&, float& t);
+/// One that moves: as it is at the ray's time, or as code, where it is then no tree.
+bool solve_moving_tree(const ShapeCells&, const Cell&, const RaySegment&, SolverWork&, float& t);
 uint32_t solve_tree_lanes(const ShapeCells&, const Cell&, const RayLanes&, SolveCounters&, float* t);
 Vec3 tree_gradient(const ShapeCells&, const Cell&, const Vec3& p);
 /// Any code.

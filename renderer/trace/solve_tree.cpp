@@ -15,6 +15,7 @@
 #include <array>
 #include <cmath>
 
+#include "renderer/program/motion.h"
 #include "renderer/trace/solve.h"
 #include "renderer/trace/tree_leaf-inl.h"
 #include "renderer/trace/warped_ray.h"
@@ -104,9 +105,9 @@ struct Ranges {
 
 class TreeSolver {
 public:
-  TreeSolver(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolverWork& work, TreeRay& scratch)
-      : tree_(shape.tree(cell)), curves_(shape.program, tree_.spaces), threshold_(static_cast<float>(shape.program.threshold)),
-        sign_(ray.from_inside ? -1.f : 1.f), negligible_(1e-5f * threshold_),
+  TreeSolver(const FieldProgram& program, const TreeView& tree, const Cell& cell, const RaySegment& ray, SolverWork& work, TreeRay& scratch)
+      : tree_(tree), curves_(program, tree.spaces), threshold_(static_cast<float>(program.threshold)), sign_(ray.from_inside ? -1.f : 1.f),
+        negligible_(1e-5f * threshold_),
         // Below this width a stretch of ray is a point: far below the offset of secondary rays.
         width_(std::max(1e-4f * cell.epsilon, 2e-7f * std::abs(ray.t1))), segment_(ray), middle_(0.5f * (ray.t0 + ray.t1)),
         place_(Vec3d(ray.origin) + double(middle_) * Vec3d(ray.direction) - Vec3d(cell.box.centre())), work_(work), ray_(scratch) {}
@@ -383,9 +384,9 @@ private:
   TreeRay& ray_;
 };
 
-bool SolveTree(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolverWork& work, float& t) {
+bool SolveTree(const FieldProgram& program, const TreeView& tree, const Cell& cell, const RaySegment& ray, SolverWork& work, float& t) {
   thread_local TreeRay scratch;
-  return TreeSolver(shape, cell, ray, work, scratch).run(t);
+  return TreeSolver(program, tree, cell, ray, work, scratch).run(t);
 }
 
 /// Values and gradients of the leaves, a leaf a lane, then the operators.
@@ -445,7 +446,14 @@ HWY_EXPORT(SolveTree);
 HWY_EXPORT(TreeGradient);
 
 bool solve_tree(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolverWork& work, float& t) {
-  return HWY_DYNAMIC_DISPATCH(SolveTree)(shape, cell, ray, work, t);
+  return HWY_DYNAMIC_DISPATCH(SolveTree)(shape.program, shape.tree(cell), cell, ray, work, t);
+}
+
+bool solve_moving_tree(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolverWork& work, float& t) {
+  const CodeView code = shape.code(cell);
+  const FieldProgram& now = at(shape.program, code, shape.slab_time(ray.time));
+  const std::optional<Tree> tree = make_tree(now, code, cell.box);
+  return tree ? HWY_DYNAMIC_DISPATCH(SolveTree)(now, tree->view(), cell, ray, work, t) : solve_code(shape, cell, ray, work, t);
 }
 
 Vec3 tree_gradient(const ShapeCells& shape, const Cell& cell, const Vec3& p) { return HWY_DYNAMIC_DISPATCH(TreeGradient)(shape, cell, p); }

@@ -37,11 +37,11 @@ struct Leaf {
   V s_low, s_high, r, sine, slope, k, a, b;
 
   static Leaf each(const TreeView& tree, size_t first) {
-    const auto row = [&](LeafRow r) { return hn::LoadU(k_lanes, tree.leaves + r * tree.leaf_count + first); };
+    const auto row = [&](LeafRow number) { return hn::LoadU(k_lanes, tree.leaves + number * tree.leaf_count + first); };
     return of(row);
   }
   static Leaf all(const TreeView& tree, size_t i) {
-    const auto row = [&](LeafRow r) { return set(tree.leaves[r * tree.leaf_count + i]); };
+    const auto row = [&](LeafRow number) { return set(tree.row(number, i)); };
     return of(row);
   }
 
