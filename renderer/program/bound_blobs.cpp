@@ -5,6 +5,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include <algorithm>
+
 #include "renderer/program/bound_blobs.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -22,6 +24,15 @@ constexpr size_t k_width = hn::MaxLanes(Lanes{});
 
 inline V set(float v) { return hn::Set(k_lanes, v); }
 inline V length2(V x, V y, V z) { return hn::Add(hn::Mul(x, x), hn::Add(hn::Mul(y, y), hn::Mul(z, z))); }
+
+/// The numbers from the i-th on; past the end blob 0, which is for the caller to leave out. (A masked load wants aligned
+/// memory, and before AVX it reads all of it.)
+inline hn::Vec<hn::RebindToUnsigned<Lanes>> numbers_from(std::span<const uint32_t> list, size_t i) {
+  if (i + k_width <= list.size()) return hn::LoadU(k_number_lanes, list.data() + i);
+  alignas(64) uint32_t last[k_width] = {};
+  std::copy(list.begin() + static_cast<ptrdiff_t>(i), list.end(), last);
+  return hn::Load(k_number_lanes, last);
+}
 
 /// The potential q^2 (a + b q) of some blobs, q = 1 - k d^2, and |its slope|, with a and b by their absolute values.
 struct Potentials {
@@ -50,7 +61,7 @@ Interval BoundBlobSum(const BlobArrays& s, std::span<const uint32_t> list, const
   count = 0;
   for (size_t i = 0; i < list.size(); i += k_width) {
     const auto is_one = hn::FirstN(k_number_lanes, list.size() - i);
-    const auto numbers = hn::MaskedLoad(is_one, k_number_lanes, list.data() + i); // past the end: blob 0, left out below
+    const auto numbers = numbers_from(list, i);
     const auto index = hn::BitCast(k_index_lanes, numbers);
     const auto gather = [&](const std::vector<float>& values) { return hn::GatherIndex(k_lanes, values.data(), index); };
     const V dx = hn::Abs(hn::Sub(gather(s.x), set(centre.x))), dy = hn::Abs(hn::Sub(gather(s.y), set(centre.y))),
@@ -115,7 +126,7 @@ Interval BoundMovingBlobSum(const BlobArrays& s, const BlobArrays& e, bool chang
   count = 0;
   for (size_t i = 0; i < list.size(); i += k_width) {
     const auto is_one = hn::FirstN(k_number_lanes, list.size() - i);
-    const auto numbers = hn::MaskedLoad(is_one, k_number_lanes, list.data() + i);
+    const auto numbers = numbers_from(list, i);
     const auto index = hn::BitCast(k_index_lanes, numbers);
     const auto between = [&](std::vector<float> BlobArrays::*m, bool moves) {
       const V start = hn::GatherIndex(k_lanes, (s.*m).data(), index);
