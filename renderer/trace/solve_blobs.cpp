@@ -10,6 +10,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "renderer/trace/bracketed_root.h"
 #include "renderer/trace/solve.h"
 
 #ifndef KELPIE_SOLVE_BLOBS_ONCE
@@ -211,7 +212,7 @@ private:
     const auto place = [&](int j) { return middle + k_places[j] * half; };
     for (int j = 0; j + 1 < k_samples; ++j) {
       if (g[j + 1] >= 0) {
-        root = bracketed_root(place(j), g[j], place(j + 1), g[j + 1]);
+        root = root_between(place(j), g[j], place(j + 1), g[j + 1]);
         // Two more roots may hide before this one, unless the bound is negative up to it.
         const float before = root - place(j), arch = 0.5f * curvature_ * before * before;
         float nearer;
@@ -223,20 +224,8 @@ private:
     return false;
   }
 
-  /// Regula falsi with the Illinois rule, to 1e-6 of the threshold.
-  float bracketed_root(float a, float ga, float b, float gb) const {
-    float r = b;
-    for (int i = 0; i < 20; ++i) {
-      r = a + (b - a) * (-ga / (gb - ga));
-      if (!(r > a && r < b)) break;
-      const float gr = at(r);
-      if (std::abs(gr) <= 1e-6f * threshold_) break;
-      if (gr < 0)
-        a = r, ga = gr, gb *= i > 0 ? 0.5f : 1.f;
-      else
-        b = r, gb = gr, ga *= i > 0 ? 0.5f : 1.f;
-    }
-    return std::min(std::max(r, a), b);
+  float root_between(float a, float ga, float b, float gb) const {
+    return bracketed_root([&](float s) { return at(s); }, a, ga, b, gb, 1e-6f * threshold_);
   }
 
   float threshold_, sign_, negligible_;

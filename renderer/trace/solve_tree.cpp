@@ -16,6 +16,7 @@
 #include <cmath>
 
 #include "renderer/program/motion.h"
+#include "renderer/trace/bracketed_root.h"
 #include "renderer/trace/solve.h"
 #include "renderer/trace/tree_leaf-inl.h"
 #include "renderer/trace/warped_ray.h"
@@ -318,13 +319,13 @@ private:
       }
       if (g[j] >= 0) {
         const float g_left = at(left);
-        root = g_left >= 0 ? left : bracketed_root(left, g_left, middle, g[j]);
+        root = g_left >= 0 ? left : root_between(left, g_left, middle, g[j]);
         if (g_left < 0) look_before(left, level, root);
         return true;
       }
       const float g_right = at(right);
       if (g_right >= 0) {
-        root = bracketed_root(middle, g[j], right, g_right);
+        root = root_between(middle, g[j], right, g_right);
         look_before(left, level, root);
         return true;
       }
@@ -358,20 +359,8 @@ private:
     }
   }
 
-  /// Regula falsi with the Illinois rule, to 1e-6 of the threshold.
-  float bracketed_root(float a, float ga, float b, float gb) const {
-    float r = b;
-    for (int i = 0; i < 20; ++i) {
-      r = a + (b - a) * (-ga / (gb - ga));
-      if (!(r > a && r < b)) break;
-      const float gr = at(r);
-      if (std::abs(gr) <= 1e-6f * threshold_) break;
-      if (gr < 0)
-        a = r, ga = gr, gb *= i > 0 ? 0.5f : 1.f;
-      else
-        b = r, gb = gr, ga *= i > 0 ? 0.5f : 1.f;
-    }
-    return std::min(std::max(r, a), b);
+  float root_between(float a, float ga, float b, float gb) const {
+    return bracketed_root([&](float s) { return at(s); }, a, ga, b, gb, 1e-6f * threshold_);
   }
 
   TreeView tree_;
