@@ -3,7 +3,9 @@
 #include "base/animated.h"
 #include "base/dual.h"
 #include "base/error.h"
+#include "base/spline.h"
 #include "base/suggest.h"
+#include "base/vec.h"
 
 namespace kelpie {
 namespace {
@@ -51,6 +53,83 @@ TEST(Dual, DerivativeAgreesWithDifferences) {
     const double h = 1e-6, slope = (f(x + h) - f(x - h)) / (2 * h);
     EXPECT_NEAR(f(D::variable(x, 0)).d[0], slope, 1e-8);
   }
+}
+
+const std::vector<Vec3d> k_control{{0, 0, 0}, {1, 2, 0}, {3, 1, 1}, {4, -1, 2}, {6, 0, -1}, {7, 3, 0}, {8, 8, 8}};
+
+template <class Visit>
+void for_each_spline(Visit&& visit) {
+  for (size_t count = 1; count <= k_control.size(); ++count)
+    for (const SplineKind kind : {SplineKind::b_spline, SplineKind::bezier, SplineKind::catmull_rom})
+      for (const int degree : {1, 2, 3, 5}) visit(Spline<Vec3d>::make(kind, std::span(k_control).first(count), degree), kind, count);
+}
+
+// The basis functions straight from their definition.
+double basis(const std::vector<double>& knots, int i, int degree, double t) {
+  if (degree == 0) return knots[i] <= t && t < knots[i + 1] ? 1 : 0;
+  double sum = 0;
+  if (knots[i + degree] > knots[i]) sum += (t - knots[i]) / (knots[i + degree] - knots[i]) * basis(knots, i, degree - 1, t);
+  if (knots[i + degree + 1] > knots[i + 1])
+    sum += (knots[i + degree + 1] - t) / (knots[i + degree + 1] - knots[i + 1]) * basis(knots, i + 1, degree - 1, t);
+  return sum;
+}
+
+TEST(Spline, OfBasisFunctionsIsTheirSum) {
+  for (const int degree : {1, 2, 3, 4}) {
+    const int count = static_cast<int>(k_control.size()), pieces = count - degree;
+    const Spline<Vec3d> curve = Spline<Vec3d>::b_spline(k_control, degree);
+    std::vector<double> knots;
+    for (int i = 0; i <= count + degree; ++i) knots.push_back(double(std::clamp(i - degree, 0, pieces)) / pieces);
+    for (double t = 0; t < 1; t += 0.01) {
+      Vec3d sum(0);
+      for (int i = 0; i < count; ++i) sum += k_control[i] * basis(knots, i, degree, t);
+      EXPECT_LT(glm::distance(curve(t), sum), 1e-12) << degree << " " << t;
+    }
+  }
+}
+
+TEST(Spline, MeetsItsEnds) {
+  for_each_spline([](const Spline<Vec3d>& curve, SplineKind, size_t count) {
+    EXPECT_LT(glm::distance(curve(0), k_control[0]), 1e-12);
+    EXPECT_LT(glm::distance(curve(1), k_control[count - 1]), 1e-11);
+  });
+}
+
+TEST(Spline, CatmullRomGoesThroughItsPoints) {
+  const Spline<Vec3d> curve = Spline<Vec3d>::catmull_rom(k_control);
+  for (size_t i = 0; i < k_control.size(); ++i)
+    EXPECT_LT(glm::distance(curve(double(i) / double(k_control.size() - 1)), k_control[i]), 1e-12);
+}
+
+TEST(Spline, DerivativesAgreeWithDifferences) {
+  for_each_spline([](const Spline<Vec3d>& curve, SplineKind, size_t) {
+    for (const double t : {0.013, 0.27, 0.61, 0.993}) {
+      const double h = 1e-4;
+      const SplineJet<Vec3d> jet = curve.jet(t);
+      EXPECT_LT(glm::distance(jet.value, curve(t)), 1e-12);
+      EXPECT_LT(glm::distance(jet.first, (curve(t + h) - curve(t - h)) / (2 * h)), 1e-3);
+      EXPECT_LT(glm::distance(jet.second, (curve.jet(t + h).first - curve.jet(t - h).first) / (2 * h)), 1e-3);
+    }
+  });
+}
+
+TEST(Spline, PiecesJoinSmoothly) {
+  for_each_spline([](const Spline<Vec3d>& curve, SplineKind kind, size_t) {
+    for (int i = 1; i < curve.pieces() && curve.degree() > 1; ++i) {
+      const double t = double(i) / curve.pieces();
+      const SplineJet<Vec3d> before = curve.jet(t - 1e-9), after = curve.jet(t + 1e-9);
+      EXPECT_LT(glm::distance(before.value, after.value), 1e-6);
+      EXPECT_LT(glm::distance(before.first, after.first), 1e-4);
+      if (kind == SplineKind::b_spline && curve.degree() > 2) {
+        EXPECT_LT(glm::distance(before.second, after.second), 1e-3);
+      }
+    }
+  });
+}
+
+TEST(Spline, OfNumbers) {
+  const std::vector<double> radii{1, 2, 4};
+  EXPECT_NEAR(Spline<double>::bezier(radii)(0.5), 0.25 * 1 + 0.5 * 2 + 0.25 * 4, 1e-15);
 }
 
 } // namespace
