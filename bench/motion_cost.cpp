@@ -41,7 +41,7 @@ FrameScene make_scene(int count, Motion motion, int spp) {
     SunLight<SampledMode> sun;
     sun.direction = Vec3(1, 2, 1), sun.angle = 0;
     scene.lights.emplace_back(sun);
-    scene.film.resolution = {640, 360}, scene.film.spp = spp, scene.film.bounces = 0;
+    scene.film.resolution = {1280, 720}, scene.film.spp = spp, scene.film.bounces = 0;
     return scene;
   };
   FrameScene scene = moment(0.5);

@@ -8,7 +8,7 @@ namespace {
 
 /// Cells hold what passes through them in their slab, so they swell with the way that things go in it; more slabs take longer to
 /// build. In radii of influence.
-constexpr double k_most_motion = 1.01;
+constexpr double k_most_motion = 0.51;
 /// The interpolation is at most this far from the motion in the middle of a slab and at its breaks: in radii of influence,
 /// or relative for what is no length. Blurred, it does not show.
 constexpr double k_tolerance = 0.005;

@@ -1,6 +1,8 @@
 #include "renderer/integrate/integrate.h"
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <mutex>
 
 #include <tbb/parallel_for.h>
@@ -16,6 +18,8 @@ constexpr int k_tile = 16;
 /// Its pixels go by squares of this side.
 constexpr int k_block = 4;
 static_assert(k_block * k_block <= k_packet);
+/// While the shutter is open, so many samples of a pixel are taken at once, if it has as many.
+constexpr uint32_t k_most_moments = 16;
 /// Z of a pixel without a surface.
 constexpr float k_far = 1e10f;
 
@@ -59,7 +63,7 @@ public:
       : frame_(frame), tracer_(tracer), paths_(tracer, lights, frame), camera_(frame), next_camera_(frame, 1), filter_(frame.film.filter),
         window_(window), out_(out), channels_(out.image, frame.film.aovs), surroundings_(tracer, camera_.bounds()),
         frame_number_(static_cast<uint32_t>(std::llround(frame.frame))), is_exposed_(frame.moment && frame.camera.shutter > 0),
-        batch_(static_cast<int>(tracer.slab_count())) {}
+        batch_(samples_at_once(frame.film.spp, tracer.slab_count(), is_exposed_)) {}
 
   void tile(int x0, int y0) {
     flush_denormals_in_this_thread();
@@ -104,36 +108,41 @@ private:
     size_t pixel;
   };
 
-  /// Pixels side by side. Paths that share a packet had better share a slab of time: as many samples as there are slabs
-  /// are taken at once, of which the sampler puts one into each slab in every pixel. What shares a packet does not show.
+  /// Pixels side by side. Where things move, paths that share a packet had better see nearly the same moment: so several
+  /// samples of each pixel are taken at once, traced by their times, and added as they came. What shares a packet does not
+  /// show.
   void block(const PixelBox& box, TileTally& tally) {
     std::array<PixelTally, k_block * k_block> pixels;
     std::vector<Start> starts;
-    std::vector<const Start*> members; ///< of a slab
+    std::vector<std::vector<Start*>> moments(static_cast<size_t>(batch_));
     std::vector<Path> paths;
     starts.reserve(pixels.size() * static_cast<size_t>(batch_)), paths.reserve(pixels.size());
     const int spp = frame_.film.spp;
     for (int first = 0; first < spp; first += batch_) {
       starts.clear();
+      for (auto& moment : moments) moment.clear();
       for (int s = first; s < std::min(first + batch_, spp); ++s)
         for (int y = box.y0; y < box.y1; ++y)
-          for (int x = box.x0; x < box.x1; ++x) starts.push_back(start(x, y, s, starts.size() % box.area()));
-      for (int slab = 0; slab < batch_; ++slab) {
-        members.clear(), paths.clear();
-        for (const Start& s : starts)
-          if (static_cast<int>(s.path.ray.time * static_cast<float>(batch_)) == slab) members.push_back(&s), paths.push_back(s.path);
-        // In the last samples of a pixel a slab may have more than one.
-        for (size_t i = 0; i < paths.size(); i += pixels.size()) {
-          const std::span<Path> part = std::span(paths).subspan(i, std::min(pixels.size(), paths.size() - i));
-          trace(part, std::span(members).subspan(i, part.size()), pixels, tally.rays);
-          for (size_t j = 0; j < part.size(); ++j) add(part[j].result, *members[i + j], box, pixels, tally);
+          for (int x = box.x0; x < box.x1; ++x) {
+            Start& from = starts.emplace_back(start(x, y, s, starts.size() % box.area()));
+            moments[static_cast<size_t>(from.path.ray.time * static_cast<float>(batch_))].push_back(&from);
+          }
+      // The sampler puts one sample of a pixel into each moment; in the last batch it may be more.
+      for (const std::vector<Start*>& moment : moments)
+        for (size_t i = 0; i < moment.size(); i += pixels.size()) {
+          const std::span<Start* const> from = std::span(moment).subspan(i, std::min(pixels.size(), moment.size() - i));
+          paths.clear();
+          for (const Start* s : from) paths.push_back(s->path);
+          trace(paths, from, pixels, tally.rays);
+          for (size_t j = 0; j < paths.size(); ++j) from[j]->path.result = paths[j].result;
         }
-      }
+      for (Start& s : starts) add(s, box, pixels, tally);
     }
     for (size_t i = 0; i < box.area(); ++i) store(out_.image.index(place(box, i).x, place(box, i).y), pixels[i]);
   }
 
-  void add(PathResult& path, const Start& from, const PixelBox& box, std::span<PixelTally> pixels, TileTally& tally) const {
+  void add(Start& from, const PixelBox& box, std::span<PixelTally> pixels, TileTally& tally) const {
+    PathResult& path = from.path.result;
     if (!is_finite(path.radiance)) {
       ++tally.nonfinite, tally.where = place(box, from.pixel);
       path.radiance = Vec3(0);
@@ -142,7 +151,7 @@ private:
   }
 
   /// For `cost` one by one: what a path evaluates in a packet depends on the others. What it finds does not.
-  void trace(std::span<Path> paths, std::span<const Start* const> from, std::span<PixelTally> pixels, RayCounters& counters) const {
+  void trace(std::span<Path> paths, std::span<Start* const> from, std::span<PixelTally> pixels, RayCounters& counters) const {
     if (!channels_.cost) return paths_.trace(paths, counters);
     for (size_t i = 0; i < paths.size(); ++i) {
       const uint64_t before = counters.solve.total().evaluations;
@@ -161,7 +170,7 @@ private:
     Sampler sampler(static_cast<uint32_t>(x), static_cast<uint32_t>(y), frame_number_, static_cast<uint32_t>(sample));
     const Vec2 offset = filter_.offset(sampler.next_pair());
     const Vec2 lens = frame_.camera.aperture > 0 ? sampler.next_pair() : Vec2(0);
-    const float time = is_exposed_ ? sampler.next_pair().x : 0;
+    const float time = is_exposed_ ? sampler.next() : 0;
     const CameraRays camera = camera_.at(time);
     Ray ray = camera.through(Vec2(x + 0.5f, y + 0.5f) + offset, lens);
     ray.time = time;
@@ -199,6 +208,12 @@ private:
     return is_seen ? way : Vec2(0);
   }
 
+  /// Powers of two: there the sampler puts one sample into each equal part of time.
+  static int samples_at_once(int spp, size_t slabs, bool is_exposed) {
+    const uint32_t moments = is_exposed ? std::min(k_most_moments, std::bit_floor(static_cast<uint32_t>(spp))) : 1;
+    return static_cast<int>(std::max(moments, static_cast<uint32_t>(slabs)));
+  }
+
   static bool is_finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
   const FrameScene& frame_;
@@ -212,7 +227,7 @@ private:
   Surroundings surroundings_; ///< of the camera
   uint32_t frame_number_;
   bool is_exposed_; ///< rays have times
-  int batch_;       ///< samples of a pixel that are taken at once
+  int batch_;       ///< samples of a pixel that are taken at once, and moments by which they go: a multiple of the slabs of time
   std::mutex mutex_;
 };
 

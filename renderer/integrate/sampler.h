@@ -22,6 +22,13 @@ class Sampler {
 public:
   Sampler(uint32_t x, uint32_t y, uint32_t frame, uint32_t sample) : sample_reversed_(reverse(sample)), seed_(hash(hash(x, y), frame)) {}
 
+  /// The next number in [0, 1); the same call of other samples of the pixel fills it evenly.
+  float next() {
+    const uint32_t seed = hash(seed_, pair_++);
+    const uint32_t index = reverse(scramble_reversed(sample_reversed_, seed));
+    return to_unit(reverse(scramble_reversed(index, hash(seed, 1))));
+  }
+
   /// The next point in [0, 1)^2; the same call of other samples of the pixel fills the square evenly.
   Vec2 next_pair() {
     const uint32_t seed = hash(seed_, pair_++);
