@@ -14,20 +14,20 @@ namespace kelpie {
 class PixelFilterSampler {
 public:
   explicit PixelFilterSampler(PixelFilter filter) : filter_(filter) {
-    // The Gaussian, cut off at k_radius and lowered to 0 there: inverse of its distribution by table.
-    double sum = 0;
-    std::array<double, k_table> density{};
-    for (size_t i = 0; i < k_table; ++i) {
-      const double x = k_radius * ((i + 0.5) / k_table * 2 - 1);
-      sum += density[i] = std::exp(-x * x / (2 * k_sigma * k_sigma)) - std::exp(-k_radius * k_radius / (2 * k_sigma * k_sigma));
+    // The Gaussian, cut off at k_radius and lowered to 0 there: the inverse of its distribution, at equal steps of it.
+    std::array<double, k_fine + 1> distribution{};
+    for (size_t i = 0; i < k_fine; ++i) {
+      const double x = k_radius * ((i + 0.5) / k_fine * 2 - 1);
+      const double density = std::exp(-x * x / (2 * k_sigma * k_sigma)) - std::exp(-k_radius * k_radius / (2 * k_sigma * k_sigma));
+      distribution[i + 1] = distribution[i] + density;
     }
-    double cumulative = 0;
-    for (size_t i = 0; i < k_table; ++i) cdf_[i + 1] = static_cast<float>((cumulative += density[i]) / sum);
-    cdf_[k_table] = 1;
-    for (size_t i = 0, guide = 0; guide < k_table; ++guide) {
-      while (cdf_[i + 1] <= static_cast<float>(guide) / k_table) ++i;
-      guides_[guide] = static_cast<uint16_t>(i);
+    for (size_t i = 0, j = 0; j < k_table; ++j) {
+      const double wanted = double(j) / k_table * distribution[k_fine];
+      while (distribution[i + 1] <= wanted) ++i;
+      const double within = (wanted - distribution[i]) / (distribution[i + 1] - distribution[i]);
+      inverse_[j] = static_cast<float>(k_radius * ((double(i) + within) / k_fine * 2 - 1));
     }
+    inverse_[k_table] = static_cast<float>(k_radius);
   }
 
   Vec2 offset(Vec2 u) const {
@@ -40,21 +40,18 @@ public:
   }
 
 private:
-  static constexpr size_t k_table = 256;
+  static constexpr size_t k_table = 1024, k_fine = 4096;
   /// About as wide as the eye forgives: sharper rings in motion, wider blurs.
   static constexpr double k_radius = 1.5, k_sigma = 0.5;
 
   float inverse(float u) const {
-    size_t i = guides_[static_cast<size_t>(u * k_table)]; // u < 1
-    while (cdf_[i + 1] <= u) ++i;
-    const float width = cdf_[i + 1] - cdf_[i];
-    const float within = width > 0 ? (u - cdf_[i]) / width : 0.5f;
-    return static_cast<float>(k_radius * ((static_cast<double>(i) + within) / k_table * 2 - 1));
+    const float place = u * k_table;
+    const auto i = static_cast<uint32_t>(place); // u < 1
+    return inverse_[i] + (inverse_[i + 1] - inverse_[i]) * (place - static_cast<float>(i));
   }
 
   PixelFilter filter_;
-  std::array<float, k_table + 1> cdf_{};
-  std::array<uint16_t, k_table> guides_{}; ///< where to begin to look: the entry that holds each 1 / k_table
+  std::array<float, k_table + 1> inverse_{};
 };
 
 } // namespace kelpie
