@@ -29,8 +29,8 @@ Field join(const char* kind, const Fields& children) {
   return fmt::format("{{\"kind\":\"{}\",\"children\":[\n{}]}}", kind, fmt::join(children, ",\n"));
 }
 Field blend(const Fields& children) { return join("blend", children); }
-Field unite(const Fields& children) { return join("union", children); }
-Field r_unite(const Fields& children) { return join("r_union", children); }
+Field unite(const Fields& children) { return join("union\",\"formula\":\"sharp", children); }
+Field r_unite(const Fields& children) { return join("union", children); }
 Field twist(const Vec3d& centre, double rate, const Field& child) {
   return fmt::format("{{\"kind\":\"twist\",\"axis\":[0,1,0],\"centre\":[{:.4f},{:.4f},{:.4f}],\"rate\":{:.4f},\"child\":{}}}", centre.x,
                      centre.y, centre.z, rate, child);

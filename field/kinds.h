@@ -9,7 +9,6 @@
 #include "field/operators/hyper_blend.h"
 #include "field/operators/intersection.h"
 #include "field/operators/local_blend.h"
-#include "field/operators/r_functions.h"
 #include "field/operators/union.h"
 #include "field/skeletons/arc.h"
 #include "field/skeletons/box.h"
@@ -58,9 +57,6 @@ using FieldFolderKinds = KindList< //
     Difference,                    //
     HyperBlend,                    //
     LocalBlend,                    //
-    RUnion,                        //
-    RIntersection,                 //
-    RDifference,                   //
     Translate,                     //
     Rotate,                        //
     Scale,                         //

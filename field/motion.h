@@ -48,8 +48,8 @@ bool is_same(const Kind& a, const Kind& b) {
 template <class Kind>
 Interval moving_combine(const Kind& a, const Kind& b, std::span<const Interval> f, Interval threshold, Demand mine) {
   const auto at = [&](const Kind& kind) {
-    if constexpr (requires { Kind::k_scales_with_threshold; })
-      if (threshold.width() > 0) {
+    if constexpr (requires { kind.scales_with_threshold(mine); })
+      if (kind.scales_with_threshold(mine) && threshold.width() > 0) {
         std::vector<Interval> scaled;
         for (const Interval& x : f) scaled.push_back(x / threshold);
         return kind.combine(std::span<const Interval>(scaled), 1.0, mine) * threshold;

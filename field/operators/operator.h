@@ -4,8 +4,8 @@
 //   Real combine(span<const Real> f, double threshold, Demand mine)   its formula, for double, Interval and Dual
 //   void keep(f, threshold, mine, kept)           which operands can matter in a cell where they lie in f
 //   Demand demand_of_operands(mine, count)        what its operands must yield
-// One that depends on the threshold says `k_scales_with_threshold`: combine(s f, s T) = s combine(f, T). A parameter that
-// is animated moves the value one way: between two values of it, `combine` lies between those at both.
+// One that depends on the threshold has `bool scales_with_threshold(mine)`: combine(s f, s T) = s combine(f, T). A parameter
+// that is animated moves the value one way: between two values of it, `combine` lies between those at both.
 // With one operand left, `combine` must be either that operand or (k_is_clamped) its part above 0.
 //
 // The demand of `combine` is that of the node in the whole tree, given once at compile time, so that the

@@ -1,6 +1,5 @@
-// Union, intersection and difference whose fields are smooth except where the surfaces cross: R-functions,
-// for Booleans below a blend. Where only the sign is asked for they are max and min, which have the same
-// surface and the same normals, and cost less.
+// Unions, intersections and differences whose fields are smooth except where the surfaces cross: R-functions,
+// for Booleans below a blend (field/operators/boolean.h chooses).
 //
 // With a = f_A - T, b = f_B - T (methods.md section 2):
 //   u = T + (a + b + sqrt(a^2 + b^2)) / (2 - sqrt 2),   r = T + (a + b - sqrt(a^2 + b^2)) / (2 + sqrt 2).
@@ -91,124 +90,19 @@ Dual<T, N> join(const Dual<T, N>& a, const Dual<T, N>& b) {
   return f;
 }
 
-/// Joins operands given by at(i), in scene units of the potential.
-template <class Function, class Real, class At>
-Real fold(size_t count, double threshold, const At& at) {
-  const auto operand = [&](size_t i) { return max(Real(0.0), at(i) * (1 / threshold)); };
-  Real f = operand(0);
-  for (size_t i = 1; i < count; ++i) f = join<Function>(f, operand(i));
-  return f * threshold;
+/// Joins fields in their own units; those after the first as `later` says.
+template <class Function, class Real, class Later>
+Real fold(std::span<const Real> f, double threshold, const Later& later) {
+  const auto operand = [&](const Real& x) { return max(Real(0.0), x * (1 / threshold)); };
+  Real joined = operand(f[0]);
+  for (const Real& x : f.subspan(1)) joined = join<Function>(joined, operand(later(x)));
+  return joined * threshold;
+}
+template <class Function, class Real>
+Real fold(std::span<const Real> f, double threshold) {
+  return fold<Function>(f, threshold, [](const Real& x) { return x; });
 }
 
 } // namespace r_function
-
-template <class Mode>
-struct RUnion {
-  static constexpr std::string_view k_name = "r_union";
-  static constexpr std::string_view k_doc =
-      R"(All that is inside one of its children, for use below a blend: its field has no crease off the surface.
-
-    f = T + (a + b + sqrt(a^2 + b^2)) / (2 - sqrt 2),   a = f_A - T, b = f_B - T, T the threshold of the shape
-
-Where no blend stands above it only the surface matters, and it is the `union`. Below a blend it is the formula in a
-localised form, which is f_A where f_B is 0; the surface is the same. Negative values count as 0 there. Several
-children are joined from the first to the last. Source: methods.md section 2.)";
-
-  typename Mode::Children children;
-
-  static constexpr auto parameters() { return std::tuple{parameter("children", &RUnion::children, "the fields to unite").required()}; }
-
-  static constexpr bool k_is_clamped = true;
-  static constexpr bool k_scales_with_threshold = true;
-
-  template <class Real>
-  Real combine(std::span<const Real> f, double threshold, Demand mine) const {
-    if (mine == Demand::value) return r_function::fold<r_function::Unite, Real>(f.size(), threshold, [&](size_t i) { return f[i]; });
-    Real most = f[0];
-    for (const Real& x : f.subspan(1)) most = max(most, x);
-    return most;
-  }
-
-  /// Where the sign is asked for, what is outside throughout; for the value, only what is 0.
-  void keep(std::span<const Interval> f, double threshold, Demand mine, std::span<char> kept) const {
-    for (size_t i = 0; i < f.size(); ++i) kept[i] = mine == Demand::sign ? f[i].hi >= threshold : f[i].hi > 0;
-  }
-  Demand demand_of_operands(Demand mine, size_t /*count*/) const { return mine; }
-};
-
-template <class Mode>
-struct RIntersection {
-  static constexpr std::string_view k_name = "r_intersection";
-  static constexpr std::string_view k_doc =
-      R"(All that is inside every one of its children, for use below a blend: its field has no crease off the surface.
-
-    f = T + (a + b - sqrt(a^2 + b^2)) / (2 + sqrt 2),   a = f_A - T, b = f_B - T, T the threshold of the shape
-
-Where no blend stands above it only the surface matters, and it is the `intersection`. Below a blend it is the formula
-in a localised form, which is 0 where a child is; the surface is the same. Negative values count as 0 there. Several
-children are joined from the first to the last. Source: methods.md section 2.)";
-
-  typename Mode::Children children;
-
-  static constexpr auto parameters() {
-    return std::tuple{parameter("children", &RIntersection::children, "the fields to intersect").required()};
-  }
-
-  static constexpr bool k_is_clamped = true;
-  static constexpr bool k_scales_with_threshold = true;
-
-  template <class Real>
-  Real combine(std::span<const Real> f, double threshold, Demand mine) const {
-    if (mine == Demand::value) return r_function::fold<r_function::Intersect, Real>(f.size(), threshold, [&](size_t i) { return f[i]; });
-    Real least = f[0];
-    for (const Real& x : f.subspan(1)) least = min(least, x);
-    return least;
-  }
-
-  /// Where the sign is asked for, what is inside throughout is dropped; for the value nothing is: an operand
-  /// that does not reach is the constant 0.
-  void keep(std::span<const Interval> f, double threshold, Demand mine, std::span<char> kept) const {
-    for (size_t i = 0; i < f.size(); ++i) kept[i] = mine == Demand::value || f[i].lo <= threshold;
-    if (std::find(kept.begin(), kept.end(), char(true)) == kept.end()) kept[0] = true; // full: "inside" must be said
-  }
-  Demand demand_of_operands(Demand mine, size_t /*count*/) const { return mine; }
-};
-
-template <class Mode>
-struct RDifference {
-  static constexpr std::string_view k_name = "r_difference";
-  static constexpr std::string_view k_doc =
-      R"(The first child without the others, for use below a blend: its field has no crease off the surface.
-
-    f = the R-intersection of f_A and max(0, 2T - f_B),   T the threshold of the shape
-
-Where no blend stands above it only the surface matters, and it is the `difference`. Below a blend it is the localised
-form of `r_intersection`. Several children are carved away from the second to the last. Source: methods.md section 2.)";
-
-  typename Mode::Children children;
-
-  static constexpr auto parameters() {
-    return std::tuple{parameter("children", &RDifference::children, "what to carve, then what to carve away").required()};
-  }
-
-  static constexpr bool k_is_clamped = true;
-  static constexpr bool k_scales_with_threshold = true;
-
-  template <class Real>
-  Real combine(std::span<const Real> f, double threshold, Demand mine) const {
-    const auto operand = [&](size_t i) { return i == 0 ? f[0] : Real(2 * threshold) - f[i]; };
-    if (mine == Demand::value) return r_function::fold<r_function::Intersect, Real>(f.size(), threshold, operand);
-    Real least = f[0];
-    for (size_t i = 1; i < f.size(); ++i) least = min(least, operand(i));
-    return max(Real(0.0), least);
-  }
-
-  /// What is carved away is dropped where it is outside throughout, if the sign is asked for; else never.
-  void keep(std::span<const Interval> f, double threshold, Demand mine, std::span<char> kept) const {
-    kept[0] = true;
-    for (size_t i = 1; i < f.size(); ++i) kept[i] = mine == Demand::value || f[i].hi >= threshold;
-  }
-  Demand demand_of_operands(Demand mine, size_t /*count*/) const { return mine; }
-};
 
 } // namespace kelpie

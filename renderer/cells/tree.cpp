@@ -18,19 +18,15 @@ constexpr double k_most_drift = 1;
 /// Steeper, the place of the nearest ball would drown in rounding; the distance hardly feels it.
 constexpr double k_steepest = 1e5;
 
-/// What an operator is in a tree, if it can be in one. Where only the sign counts, R-functions are max and min.
+/// What an operator is in a tree, if it can be in one.
 template <class Kind>
-std::optional<TreeStep::Kind> step_kind(Demand demand) {
+std::optional<TreeStep::Kind> step_kind(const Kind& kind, Demand demand) {
   using M = SampledMode;
   using Step = TreeStep::Kind;
-  const bool is_sign = demand == Demand::sign;
-  if (std::is_same_v<Kind, Blend<M>>) return Step::sum;
-  if (std::is_same_v<Kind, Union<M>>) return Step::maximum;
-  if (std::is_same_v<Kind, Intersection<M>>) return Step::minimum;
-  if (std::is_same_v<Kind, Difference<M>>) return Step::difference;
-  if (std::is_same_v<Kind, RUnion<M>>) return is_sign ? Step::maximum : Step::r_union;
-  if (std::is_same_v<Kind, RIntersection<M>>) return is_sign ? Step::minimum : Step::r_intersection;
-  if (std::is_same_v<Kind, RDifference<M>>) return is_sign ? Step::difference : Step::r_difference;
+  if constexpr (std::is_same_v<Kind, Blend<M>>) return Step::sum;
+  if constexpr (std::is_same_v<Kind, Union<M>>) return is_smooth(kind.formula, demand) ? Step::r_union : Step::maximum;
+  if constexpr (std::is_same_v<Kind, Intersection<M>>) return is_smooth(kind.formula, demand) ? Step::r_intersection : Step::minimum;
+  if constexpr (std::is_same_v<Kind, Difference<M>>) return is_smooth(kind.formula, demand) ? Step::r_difference : Step::difference;
   return {};
 }
 
@@ -54,8 +50,7 @@ public:
 
 private:
   std::optional<TreeStep::Kind> kind_of(const Instruction& step) const {
-    return std::visit([&](const auto& kind) { return step_kind<std::decay_t<decltype(kind)>>(step.demand); },
-                      program_.field.nodes[step.node]);
+    return std::visit([&](const auto& kind) { return step_kind(kind, step.demand); }, program_.field.nodes[step.node]);
   }
   std::span<const uint32_t> operands(const Instruction& step) const { return code_.operands.subspan(step.first, step.count); }
 

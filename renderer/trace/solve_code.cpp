@@ -11,6 +11,8 @@
 
 #include <array>
 
+#include "renderer/trace/bracketed_root.h"
+
 namespace kelpie {
 
 namespace {
@@ -86,26 +88,12 @@ private:
     if (g0 >= 0) return hit(s.t0, t);
     const double g1 = g(s.t1);
     if (g1 < 0) return Verdict::none;
-    return hit(bracketed_root(s.t0, g0, s.t1, g1), t);
+    return hit(bracketed_root([&](double at) { return g(at); }, s.t0, g0, s.t1, g1, 1e-9 * program_.threshold), t);
   }
 
   static Verdict hit(double at, double& t) {
     t = at;
     return Verdict::hit;
-  }
-
-  /// Regula falsi with the Illinois rule.
-  double bracketed_root(double a, double ga, double b, double gb) const {
-    for (int i = 0; i < 60 && b - a > width_; ++i) {
-      const double r = a + (b - a) * (-ga) / (gb - ga), gr = g(r);
-      if (gr == 0) return r;
-      if (gr < 0)
-        a = r, ga = gr, gb *= 0.5;
-      else
-        b = r, gb = gr, ga *= 0.5;
-      if (std::abs(gr) < 1e-9 * program_.threshold) return r;
-    }
-    return b;
   }
 
   CodeView code_;

@@ -67,12 +67,12 @@ public:
     live_ = segments.live;
     keep_rays(o, d, middle);
     const V most = set_up(m, d);
-    hit = unsure = no_lanes();
+    hit = unsure = inexact_ = no_lanes();
     if (tree_.is_monotone) live_ = hn::And(live_, hn::Ge(most, set(threshold_ * (1 - 1e-6f))));
     if (none(live_)) return;
     V root;
     march(hn::Sub(enough, middle), hit, root);
-    unsure = live_;
+    unsure = hn::Or(live_, inexact_);
     t = hn::Max(hn::Add(middle, root), segments.entry);
   }
 
@@ -210,9 +210,15 @@ private:
       const auto will_do = hn::And(live_, hn::AndNot(outside, hn::Le(x, enough)));
       const auto starts_inside = hn::AndNot(has_before, hn::Le(step, set(0.05f * tiny_)));
       const auto is_close = hn::Or(starts_inside, hn::And(has_before, hn::Le(hn::Sub(x, before), hn::Mul(set(4), tiny))));
-      const auto found = hn::AndNot(outside, hn::And(live_, hn::And(is_tiny, is_close)));
-      const auto answered = hn::Or(will_do, found);
+      auto found = hn::AndNot(outside, hn::And(live_, hn::And(is_tiny, is_close)));
       const V at_surface = hn::IfThenElse(has_before, hn::Min(hn::Max(secant, from), x), from);
+      if (!tree_.is_monotone && !none(found)) { // the slope of an R-union of two like fields jumps at its surface
+        V there, most_there;
+        evaluate(at_surface, zero, there, most_there);
+        inexact_ = hn::Or(inexact_, hn::And(hn::And(found, has_before), hn::Gt(hn::Abs(there), set(4 * negligible_))));
+        found = hn::AndNot(inexact_, found), live_ = hn::AndNot(inexact_, live_);
+      }
+      const auto answered = hn::Or(will_do, found);
       root = hn::IfThenElse(will_do, x, hn::IfThenElse(found, at_surface, root));
       hit = hn::Or(hit, answered);
 
@@ -243,7 +249,8 @@ private:
   WarpedRay curves_;
   float threshold_, negligible_, tiny_;
   V half_;
-  M live_; ///< lanes without an answer
+  M live_;    ///< lanes without an answer
+  M inexact_; ///< lanes with an answer that is not good enough
   SolverWork& work_;
   LaneTree& lanes_;
   alignas(64) float rays_[7][k_width]; ///< origin, direction, t where s is 0

@@ -221,24 +221,22 @@ Unbent unbent(const Node& node, Vec p) {
   return {p + t * (x - bx) + e * (bz - z + turned * radius), d / radius, past < pi / 2 ? d * std::sin(past) : d};
 }
 
-double value(const Node& node, Vec p, double threshold, bool is_below_blend) {
+double value(const Node& node, Vec p, double threshold) {
   using Kind = Node::Kind;
-  if (node.kind == Kind::twist) return value(*node.children[0], untwisted(node, p), threshold, is_below_blend);
-  if (node.kind == Kind::taper) return value(*node.children[0], untapered(node, p), threshold, is_below_blend);
-  if (node.kind == Kind::bend) return value(*node.children[0], unbent(node, p).p, threshold, is_below_blend);
-  if (node.kind == Kind::warp) return value(*node.children[0], node.child_from_parent.point(p), threshold, is_below_blend);
+  if (node.kind == Kind::twist) return value(*node.children[0], untwisted(node, p), threshold);
+  if (node.kind == Kind::taper) return value(*node.children[0], untapered(node, p), threshold);
+  if (node.kind == Kind::bend) return value(*node.children[0], unbent(node, p).p, threshold);
+  if (node.kind == Kind::warp) return value(*node.children[0], node.child_from_parent.point(p), threshold);
   if (node.kind == Kind::leaves) {
     double sum = 0;
     for (const Leaf& leaf : node.leaves) sum += value(leaf, p);
     return sum;
   }
-  const bool blends = node.kind == Kind::blend || node.kind == Kind::hyper_blend || node.kind == Kind::local_blend;
-  const bool below = is_below_blend || (blends && node.children.size() > 1);
   std::vector<double> f;
-  for (const NodePtr& child : node.children) f.push_back(value(*child, p, threshold, below));
+  for (const NodePtr& child : node.children) f.push_back(value(*child, p, threshold));
   if (node.kind == Kind::hyper_blend) return hyper_blend(f, node.n);
   if (node.kind == Kind::local_blend) return local_blend(f);
-  const bool is_r = is_below_blend && (node.kind == Kind::r_unite || node.kind == Kind::r_intersect || node.kind == Kind::r_subtract);
+  const bool is_r = node.kind == Kind::r_unite || node.kind == Kind::r_intersect || node.kind == Kind::r_subtract;
   if (is_r && f.size() == 1) return std::max(0.0, f[0]);
   double result = f[0];
   for (size_t i = 1; i < f.size(); ++i) {
@@ -246,15 +244,13 @@ double value(const Node& node, Vec p, double threshold, bool is_below_blend) {
     case Kind::blend: result += f[i]; break;
     case Kind::unite: result = std::max(result, f[i]); break;
     case Kind::intersect: result = std::min(result, f[i]); break;
-    case Kind::r_unite: result = is_r ? r_join(true, result, f[i], threshold) : std::max(result, f[i]); break;
-    case Kind::r_intersect: result = is_r ? r_join(false, result, f[i], threshold) : std::min(result, f[i]); break;
-    case Kind::r_subtract:
-      result = is_r ? r_join(false, result, 2 * threshold - f[i], threshold) : std::min(result, 2 * threshold - f[i]);
-      break;
+    case Kind::r_unite: result = r_join(true, result, f[i], threshold); break;
+    case Kind::r_intersect: result = r_join(false, result, f[i], threshold); break;
+    case Kind::r_subtract: result = r_join(false, result, 2 * threshold - f[i], threshold); break;
     default: result = std::min(result, 2 * threshold - f[i]); break;
     }
   }
-  return node.kind == Kind::subtract || node.kind == Kind::r_subtract ? std::max(0.0, result) : result;
+  return node.kind == Kind::subtract ? std::max(0.0, result) : result;
 }
 
 } // namespace reference

@@ -90,9 +90,8 @@ struct Unbent {
 };
 Unbent unbent(const Node&, Vec p);
 
-/// The field f at p; `threshold` is T of the shape, which a difference needs. R-functions are what they are
-/// named where a blend stands above (`is_below_blend`), else maxima and minima. The region of a local
+/// The field f at p; `threshold` is T of the shape, which a difference and R-functions need. The region of a local
 /// blend is its last child.
-double value(const Node&, Vec p, double threshold, bool is_below_blend = false);
+double value(const Node&, Vec p, double threshold);
 
 } // namespace reference

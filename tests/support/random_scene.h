@@ -81,7 +81,15 @@ inline BlobCloud negative_cloud(Falloff falloff) {
   return cloud;
 }
 
-/// A tree of everything that the reference knows.
+/// With this formula wherever it stands.
+template <template <class> class Kind>
+Kind<SampledMode> sharp() {
+  Kind<SampledMode> kind;
+  kind.formula = BooleanFormula::sharp;
+  return kind;
+}
+
+/// A tree of everything of which the reference knows the exact roots.
 inline unsigned random_tree(Random& r, int depth, SampledField& field) {
   if (depth == 0) {
     if (r.below(2)) {
@@ -107,9 +115,9 @@ inline unsigned random_tree(Random& r, int depth, SampledField& field) {
   case 0: return with_child(random_kind<Translate>(r));
   case 1: return with_child(random_kind<Rotate>(r));
   case 2: return with_child(random_kind<Scale>(r));
-  case 3: return with_children(Union<SampledMode>{});
-  case 4: return with_children(Intersection<SampledMode>{});
-  case 5: return with_children(Difference<SampledMode>{});
+  case 3: return with_children(sharp<Union>());
+  case 4: return with_children(sharp<Intersection>());
+  case 5: return with_children(sharp<Difference>());
   default: return with_children(Blend<SampledMode>{});
   }
 }

@@ -145,13 +145,26 @@ inline reference::Affine reference_inverse(const Scale<SampledMode>& k) {
   return w;
 }
 
-inline reference::Node::Kind reference_kind_of(const LocalBlend<SampledMode>&) { return reference::Node::Kind::local_blend; }
-inline reference::Node::Kind reference_kind_of(const RUnion<SampledMode>&) { return reference::Node::Kind::r_unite; }
-inline reference::Node::Kind reference_kind_of(const RIntersection<SampledMode>&) { return reference::Node::Kind::r_intersect; }
-inline reference::Node::Kind reference_kind_of(const RDifference<SampledMode>&) { return reference::Node::Kind::r_subtract; }
+/// Below a blend of several fields the automatic formula is the smooth one.
+inline bool reference_is_smooth(BooleanFormula formula, bool is_below_blend) {
+  return formula == BooleanFormula::smooth || (formula == BooleanFormula::automatic && is_below_blend);
+}
+template <class Kind>
+reference::Node::Kind reference_kind_of(const Kind& k, bool is_below_blend) {
+  using To = reference::Node::Kind;
+  if constexpr (std::is_same_v<Kind, Blend<SampledMode>>) return To::blend;
+  if constexpr (std::is_same_v<Kind, HyperBlend<SampledMode>>) return To::hyper_blend;
+  if constexpr (std::is_same_v<Kind, LocalBlend<SampledMode>>) return To::local_blend;
+  if constexpr (requires { k.formula; }) {
+    const bool is_smooth = reference_is_smooth(k.formula, is_below_blend);
+    if constexpr (std::is_same_v<Kind, Union<SampledMode>>) return is_smooth ? To::r_unite : To::unite;
+    if constexpr (std::is_same_v<Kind, Intersection<SampledMode>>) return is_smooth ? To::r_intersect : To::intersect;
+    if constexpr (std::is_same_v<Kind, Difference<SampledMode>>) return is_smooth ? To::r_subtract : To::subtract;
+  }
+}
 
 /// The subtree at `node`.
-inline reference::NodePtr reference_of(const SampledField& field, unsigned node) {
+inline reference::NodePtr reference_of(const SampledField& field, unsigned node, bool is_below_blend = false) {
   using Kind = reference::Node::Kind;
   auto out = std::make_shared<reference::Node>();
   std::visit(
@@ -164,29 +177,25 @@ inline reference::NodePtr reference_of(const SampledField& field, unsigned node)
         } else if constexpr (Skeleton<S>) {
           out->leaves = {reference_of(k)};
         } else if constexpr (AffineWarp<S>) {
-          out->kind = Kind::warp, out->child_from_parent = reference_inverse(k), out->children = {reference_of(field, k.child)};
+          out->kind = Kind::warp, out->child_from_parent = reference_inverse(k),
+          out->children = {reference_of(field, k.child, is_below_blend)};
         } else if constexpr (std::is_same_v<S, Twist<SampledMode>>) {
           out->kind = Kind::twist, out->centre = reference_of(k.centre), out->axis = reference_of(k.axis);
-          out->rate = k.rate, out->length = k.length, out->children = {reference_of(field, k.child)};
+          out->rate = k.rate, out->length = k.length, out->children = {reference_of(field, k.child, is_below_blend)};
         } else if constexpr (std::is_same_v<S, Taper<SampledMode>>) {
           out->kind = Kind::taper, out->centre = reference_of(k.centre), out->axis = reference_of(k.axis);
-          out->by = k.by, out->length = k.length, out->children = {reference_of(field, k.child)};
+          out->by = k.by, out->length = k.length, out->children = {reference_of(field, k.child, is_below_blend)};
         } else if constexpr (std::is_same_v<S, Bend<SampledMode>>) {
           out->kind = Kind::bend, out->centre = reference_of(k.centre), out->axis = reference_of(k.axis);
           out->towards = reference_of(k.towards), out->angle = k.angle, out->length = k.length;
-          out->children = {reference_of(field, k.child)};
+          out->children = {reference_of(field, k.child, is_below_blend)};
         } else if constexpr (Operator<S>) {
-          constexpr bool is_blend = std::is_same_v<S, Blend<SampledMode>>, is_union = std::is_same_v<S, Union<SampledMode>>,
-                         is_intersection = std::is_same_v<S, Intersection<SampledMode>>,
-                         is_difference = std::is_same_v<S, Difference<SampledMode>>;
-          if constexpr (is_blend || is_union || is_intersection || is_difference)
-            out->kind = is_blend ? Kind::blend : is_union ? Kind::unite : is_intersection ? Kind::intersect : Kind::subtract;
-          else if constexpr (std::is_same_v<S, HyperBlend<SampledMode>>)
-            out->kind = Kind::hyper_blend, out->n = k.n;
-          else
-            out->kind = reference_kind_of(k);
-          for (const unsigned child : k.children) out->children.push_back(reference_of(field, child));
-          if constexpr (std::is_same_v<S, LocalBlend<SampledMode>>) out->children.push_back(reference_of(field, k.region));
+          out->kind = reference_kind_of(k, is_below_blend);
+          if constexpr (std::is_same_v<S, HyperBlend<SampledMode>>) out->n = k.n;
+          std::vector<unsigned> children = k.children;
+          if constexpr (requires { k.region; }) children.push_back(k.region);
+          const bool is_below = is_below_blend || (!requires { k.formula; } && children.size() > 1);
+          for (const unsigned child : children) out->children.push_back(reference_of(field, child, is_below));
         } else {
           static_assert(BlobSource<S>, "teach the reference this kind");
         }
