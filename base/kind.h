@@ -70,12 +70,13 @@ struct ParameterRules {
   bool is_nonzero = false;        ///< a direction: the zero vector has none
   bool is_number_for_all = false; ///< a vector that may be given as one number for all components
   std::string_view alternative{}; ///< the parameter that excludes this one
-  std::string_view example{};     ///< of a required file: a name in examples
+  std::string_view example{};     ///< of a required file or part: a name in examples
+  std::string_view library{};     ///< where the scene keeps values that this one may be by name: "surfaces"
 };
 
 /// One row of a kind's table. `T` is the member's type: Value<Mode, float|Vec3|Colour>, int, double, bool,
-/// std::string, AssetPath, Vec2i, an enumeration with EnumNames, Mode::Child, Mode::Children, the variant of
-/// a KindList, another struct with a table, or a std::vector or std::optional of such.
+/// std::string, AssetPath, PartName, Vec2i, an enumeration with EnumNames, Mode::Child, Mode::Children, the variant of
+/// a KindList, another struct with a table, or a std::vector or std::optional of such, or a std::map by name.
 template <class Owner, class T>
 struct Parameter : ParameterRules {
   T Owner::*member;
@@ -124,9 +125,15 @@ struct Parameter : ParameterRules {
     p.is_number_for_all = true;
     return p;
   }
-  constexpr Parameter such_as(std::string_view file) const {
+  constexpr Parameter such_as(std::string_view name_in_examples) const {
     auto p = *this;
-    p.example = file;
+    p.example = name_in_examples;
+    return p;
+  }
+  /// May be given as a name that the scene's object `where` explains.
+  constexpr Parameter or_named_in(std::string_view where) const {
+    auto p = *this;
+    p.library = where;
     return p;
   }
   /// Excludes `other`, whose row says the same of this one.
@@ -153,6 +160,7 @@ bool is_equal(const Kind& a, const Kind& b) {
   if constexpr (requires { a.cloud; }) equal = equal && a.cloud == b.cloud;
   if constexpr (requires { a.morph; }) equal = equal && a.morph == b.morph;
   if constexpr (requires { a.mesh; }) equal = equal && a.mesh == b.mesh;
+  if constexpr (requires { a.child; }) equal = equal && a.child == b.child;
   return equal;
 }
 
@@ -162,6 +170,12 @@ struct AssetPath {
   std::string resolved;
   bool is_set() const { return !path.empty(); }
   friend bool operator==(const AssetPath&, const AssetPath&) = default;
+};
+
+/// The name of one of the scene's parts.
+struct PartName {
+  std::string name;
+  friend bool operator==(const PartName&, const PartName&) = default;
 };
 
 /// Specialise for every enumeration that scene files may name:

@@ -33,6 +33,7 @@ void check(const std::string& path, const RenderOptions& options) {
   report += fmt::format("picture   {} frame{}, {}x{}, {} samples per pixel, {} bounces\n", frames.size(), frames.size() == 1 ? "" : "s",
                         scene.film.resolution.x, scene.film.resolution.y, scene.film.spp, scene.film.bounces);
   report += fmt::format("shapes    {}, of up to {} elements in {} cells\n", scene.shapes.size(), f.elements, f.cells);
+  if (!scene.parts.empty()) report += fmt::format("parts     {}\n", scene.parts.size());
   report +=
       fmt::format("time      about {:.3g} s a frame on {} thread{} ({:.3g} s of CPU); {} in all\n", f.wall_s_per_frame, threads,
                   threads == 1 ? "" : "s", f.cpu_s_per_frame, format_duration(f.wall_s_per_frame * static_cast<double>(frames.size())));

@@ -28,6 +28,7 @@
 #include "field/skeletons/triangle.h"
 #include "field/warps/affine.h"
 #include "field/warps/bend.h"
+#include "field/warps/instance.h"
 #include "field/warps/taper.h"
 #include "field/warps/twist.h"
 
@@ -60,6 +61,7 @@ using FieldFolderKinds = KindList< //
     Translate,                     //
     Rotate,                        //
     Scale,                         //
+    Instance,                      //
     Twist,                         //
     Bend,                          //
     Taper>;

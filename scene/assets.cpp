@@ -57,17 +57,17 @@ private:
 } // namespace
 
 AssetFolder::AssetFolder(const std::string& scene_path, const std::vector<std::string>& allow_paths)
-    : folder_(canonical_path(fs::absolute(scene_path).parent_path())) {
+    : scene_(canonical_path(scene_path)), folder_(canonical_path(fs::absolute(scene_path).parent_path())) {
   for (const std::string& path : allow_paths) {
     fs::path p = canonical_path(path);
     allowed_.push_back(p.has_filename() ? p : p.parent_path()); // `folder/` is `folder`
   }
 }
 
-std::string AssetFolder::resolve(const std::string& as_written, bool is_free) const {
+std::string AssetFolder::resolve(const fs::path& from, const std::string& as_written, bool is_free) const {
   if (as_written.empty() || as_written.find('\0') != std::string::npos)
     throw Error(ExitStatus::bad_data, in_quotes(as_written) + " is no path");
-  const fs::path path = canonical_path(folder_ / as_written);
+  const fs::path path = canonical_path(folder_ / from / as_written);
   const bool is_allowed = is_free || is_under(path, folder_) ||
                           std::any_of(allowed_.begin(), allowed_.end(), [&](const fs::path& a) { return is_under(path, a); });
   if (!is_allowed)

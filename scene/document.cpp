@@ -67,10 +67,8 @@ void append_canonical(const JsonValue& v, std::string& out) {
 }
 
 /// Reads at most one byte more than the limit, so that a pipe or a device that never ends is refused too.
-std::string read_at_most(const std::string& path, size_t limit) {
-  const auto fail = [&] {
-    return Error(ExitStatus::missing_input, fmt::format("cannot read the scene: {}", std::strerror(errno)), {path});
-  };
+std::string read_at_most(const std::string& path, size_t limit, std::string_view what) {
+  const auto fail = [&] { return Error(ExitStatus::missing_input, fmt::format("cannot read {}: {}", what, std::strerror(errno)), {path}); };
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
   if (!file) throw fail();
   std::string text;
@@ -93,12 +91,24 @@ std::string canonical_text(const JsonValue& v) {
 }
 
 SourcePosition Document::where(TextPosition p) const {
-  if (p.source > 0) return {sources.at(p.source - 1)};
-  return {file, static_cast<int>(p.line), static_cast<int>(p.column)};
+  return {sources.at(p.source).name, static_cast<int>(p.line), static_cast<int>(p.column)};
+}
+
+Document parse_document(std::string_view text, std::string file, ProblemList& problems, const DocumentLimits& limits) {
+  Document document;
+  document.sources.push_back({std::move(file)});
+  document.root = parse_source(text, 0, document, problems, limits);
+  return document;
 }
 
 Document read_document(const std::string& path, ProblemList& problems, const DocumentLimits& limits) {
-  return parse_document(read_at_most(path, limits.bytes), path, problems, limits);
+  return parse_document(read_at_most(path, limits.bytes, "the scene"), path, problems, limits);
+}
+
+JsonValue read_source(const std::string& path, std::uint32_t source, Document& document, ProblemList& problems,
+                      const DocumentLimits& limits) {
+  return parse_source(read_at_most(path, limits.bytes - std::min(limits.bytes, document.bytes), "the file"), source, document, problems,
+                      limits);
 }
 
 } // namespace kelpie

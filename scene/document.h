@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -11,8 +12,8 @@
 
 namespace kelpie {
 
-/// Where a value or key stands: line and column from 1 (a column is a Unicode code point). `source` is 0
-/// for the file; n for the n-th `--set`, which has no lines.
+/// Where a value or key stands: line and column from 1 (a column is a Unicode code point), in one of the document's
+/// sources. What comes from the command line has no lines.
 struct TextPosition {
   std::uint32_t line = 0, column = 0, source = 0;
 };
@@ -60,10 +61,18 @@ struct DocumentLimits {
   size_t depth = 64;          ///< of arrays and objects in one another
 };
 
+/// A text that a document is made of.
+struct DocumentSource {
+  std::string name;               ///< what errors call it: the file as it was named, or `--set …`
+  std::filesystem::path folder{}; ///< that the files it names are relative to, itself relative to the scene's folder
+  bool is_command_line = false;
+};
+
 struct Document {
-  std::string file; ///< as it was named
   JsonValue root;
-  std::vector<std::string> sources; ///< what errors call the n-th `--set`, from 1
+  std::vector<DocumentSource> sources; ///< the scene file, then whatever was included or set
+  size_t bytes = 0, values = 0;        ///< of all files
+  bool is_complete = true;             ///< false where something could not be included: names may be missing
 
   SourcePosition where(TextPosition) const;
 };
@@ -74,5 +83,9 @@ Document parse_document(std::string_view text, std::string file, ProblemList& pr
 
 /// Reads and parses the file. Throws Error missing_input where it cannot be read.
 Document read_document(const std::string& path, ProblemList& problems, const DocumentLimits& = {});
+
+/// The same for a further source of a document: returns its root. The limits are for all files together.
+JsonValue parse_source(std::string_view text, std::uint32_t source, Document&, ProblemList& problems, const DocumentLimits&);
+JsonValue read_source(const std::string& path, std::uint32_t source, Document&, ProblemList& problems, const DocumentLimits&);
 
 } // namespace kelpie

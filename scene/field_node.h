@@ -15,7 +15,22 @@ struct FieldNode {
   SourcePosition where;
 };
 
-/// A field at one moment: nodes in post-order (children before parents; the last one is the root).
+/// Calls visit(child) for every node right below one; not for what an instance refers to. A child that could not be read is
+/// null.
+template <class Visit>
+void for_each_child(const FieldNode& node, Visit&& visit) {
+  const auto one = [&](const auto& member) {
+    if constexpr (std::is_same_v<decltype(member), const FieldPtr&>)
+      visit(member);
+    else if constexpr (std::is_same_v<decltype(member), const std::vector<FieldPtr>&>)
+      for (const FieldPtr& child : member) visit(child);
+  };
+  std::visit([&](const auto& kind) { std::apply([&](const auto&... row) { (one(kind.*(row.member)), ...); }, kind.parameters()); },
+             node.kind);
+}
+
+/// A field at one moment: nodes in post-order (children before parents; the last one is the root). Instances of one part and
+/// one time offset share its nodes.
 struct SampledField {
   std::vector<FieldKinds::Variant<SampledMode>> nodes;
 };

@@ -57,11 +57,7 @@ sharper than `crease` stay edges, all others are smooth.)";
   }
 
   // Sampled:
-  Affine world_from_file() const {
-    const Affine turned = Rotate<SampledMode>{axis, angle}.parent_from_child();
-    const Affine scaled = Scale<SampledMode>{scale}.parent_from_child();
-    return Translate<SampledMode>{position}.parent_from_child() * turned * scaled;
-  }
+  Affine world_from_file() const { return placement(position, axis, angle, scale); }
 };
 
 using GeometryKinds = KindList<Plane, TriangleMesh>;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/suggest.h"
+#include "scene/library.h"
 #include "scene/parameter_text.h"
 #include "scene/value_reader.h"
 
@@ -33,6 +34,7 @@ std::string facts_of(const ParameterRules& rules, const T& default_value) {
   const std::string range = describe(rules.range);
   const bool is_one_number = type == "number" || type == "whole number";
   if (rules.is_number_for_all) type += " or a number for all three";
+  if (!rules.library.empty()) type += fmt::format(" or the name of one of the scene's `{}`", rules.library);
   if (!range.empty() && is_one_number) type += " " + range;
   std::vector<std::string> facts{type};
   if (!range.empty() && !is_one_number) facts.push_back("each " + range);
@@ -76,7 +78,7 @@ std::string_view field_group() {
   bool has_child = false, has_children = false, has_file = false;
   for_each_parameter<Kind<AnimatedMode>>([&](const auto& row) {
     using T = MemberOf<decltype(row)>;
-    has_child |= std::is_same_v<T, FieldPtr>;
+    has_child |= std::is_same_v<T, FieldPtr> || std::is_same_v<T, PartName>;
     has_children |= std::is_same_v<T, std::vector<FieldPtr>>;
     has_file |= std::is_same_v<T, AssetPath>;
   });
@@ -106,9 +108,12 @@ constexpr std::string_view k_colour_doc = R"(A colour, in one of three forms.
 
 /// The shape of a scene first, then what it is filled with.
 std::vector<Page> all_pages() {
-  std::vector<Page> pages{page_of<Scene>("the scene", false), page_of<Frames>("the scene", false),
-                          page_of<Camera<AnimatedMode>>("the scene", false), page_of<Film<AnimatedMode>>("the scene", false),
-                          page_of<Shape>("the scene", false)};
+  std::vector<Page> pages{page_of<Scene>("the scene", false),
+                          page_of<Frames>("the scene", false),
+                          page_of<Camera<AnimatedMode>>("the scene", false),
+                          page_of<Film<AnimatedMode>>("the scene", false),
+                          page_of<Shape>("the scene", false),
+                          page_of<Library>("the scene", false)};
   FieldKinds::for_each([&]<template <class> class Kind>() { pages.push_back(page_of<Kind<AnimatedMode>>(field_group<Kind>(), true)); });
   append_kinds<SurfaceKinds>(pages, "surfaces");
   append_kinds<GeometryKinds>(pages, "geometry");

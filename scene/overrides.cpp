@@ -40,7 +40,7 @@ std::optional<size_t> index_of(std::string_view step) {
 /// One assignment on its way through the document.
 class Override {
 public:
-  Override(Document& document, std::uint32_t number, ProblemList& problems) : document_(document), at_{0, 0, number}, problems_(problems) {}
+  Override(Document& document, std::uint32_t source, ProblemList& problems) : document_(document), at_{0, 0, source}, problems_(problems) {}
 
   void apply(std::string_view assignment) {
     const size_t equals = assignment.find('=');
@@ -120,8 +120,9 @@ private:
 
 void apply_overrides(Document& document, const std::vector<std::string>& assignments, ProblemList& problems) {
   for (const std::string& assignment : assignments) {
-    document.sources.push_back("--set " + assignment);
-    Override(document, static_cast<std::uint32_t>(document.sources.size()), problems).apply(assignment);
+    const auto source = static_cast<std::uint32_t>(document.sources.size());
+    document.sources.push_back({"--set " + assignment, {}, true});
+    Override(document, source, problems).apply(assignment);
   }
 }
 

@@ -15,6 +15,7 @@ inline std::string json_text(int v) { return fmt::format("{}", v); }
 inline std::string json_text(bool v) { return v ? "true" : "false"; }
 inline std::string json_text(const std::string& v) { return v.empty() ? "" : fmt::format("\"{}\"", v); }
 inline std::string json_text(const AssetPath& v) { return json_text(v.path); }
+inline std::string json_text(const PartName& v) { return json_text(v.name); }
 inline std::string json_text(const Vec2i& v) { return fmt::format("[{}, {}]", v.x, v.y); }
 inline std::string json_text(const Vec3& v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); }
 inline std::string json_text(const Colour& v) { return json_text(v.rgb); }
@@ -45,6 +46,10 @@ template <class T>
 std::string json_text(const std::optional<T>&) {
   return {};
 }
+template <IsMap T>
+std::string json_text(const T&) {
+  return {};
+}
 template <Record T>
 std::string json_text(const T&) {
   return {};
@@ -65,7 +70,9 @@ std::string type_text() {
     using Element = typename ListTrait<T>::Element;
     if constexpr (NamedEnum<Element>) return fmt::format("list of any of {}", fmt::join(enum_names<Element>(), ", "));
     return fmt::format("list of {}s", type_text<Element>());
-  } else if constexpr (NamedEnum<T>)
+  } else if constexpr (IsMap<T>)
+    return fmt::format("object: a {} for each name", type_text<typename MapTrait<T>::Value>());
+  else if constexpr (NamedEnum<T>)
     return fmt::format("one of {}", fmt::join(enum_names<T>(), ", "));
   else if constexpr (IsKindVariant<T>)
     return std::string(k_group_name<typename KindsTrait<T>::List>);
@@ -83,6 +90,8 @@ std::string type_text() {
     return "string";
   else if constexpr (std::is_same_v<T, AssetPath>)
     return "path of a file";
+  else if constexpr (std::is_same_v<T, PartName>)
+    return "name of a part";
   else if constexpr (std::is_same_v<T, Vec2i>)
     return "[width, height]";
   else if constexpr (std::is_same_v<T, Vec3>)
@@ -108,7 +117,7 @@ template <class T>
 std::string plausible_json(const ParameterRules& rules, const T& value) {
   if constexpr (std::is_same_v<T, FieldPtr>)
     return minimal_json<typename std::variant_alternative_t<0, FieldKinds::Variant<AnimatedMode>>>(true);
-  else if constexpr (std::is_same_v<T, AssetPath>)
+  else if constexpr (std::is_same_v<T, AssetPath> || std::is_same_v<T, PartName>)
     return json_text(std::string(rules.example));
   else if constexpr (std::is_same_v<T, std::string>)
     return fmt::format("\"my {}\"", rules.name);

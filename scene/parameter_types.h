@@ -58,6 +58,16 @@ struct OptionalTrait<std::optional<T>> : std::true_type {
 template <class T>
 concept IsOptional = OptionalTrait<T>::value;
 
+template <class T>
+struct MapTrait : std::false_type {};
+template <class T>
+struct MapTrait<std::map<std::string, T>> : std::true_type {
+  using Value = T;
+};
+/// An object whose keys are names.
+template <class T>
+concept IsMap = MapTrait<T>::value;
+
 /// The KindList of a variant of kinds.
 template <class V>
 struct KindsTrait : std::false_type {};

@@ -73,8 +73,8 @@ class DocumentBuilder {
 public:
   using Json = nlohmann::json;
 
-  DocumentBuilder(Document& document, ProblemList& problems, const DocumentLimits& limits, const TokenTracker& tracker)
-      : document_(document), problems_(problems), limits_(limits), tracker_(tracker) {}
+  DocumentBuilder(Document& document, JsonValue& root, ProblemList& problems, const DocumentLimits& limits, const TokenTracker& tracker)
+      : document_(document), root_(root), problems_(problems), limits_(limits), tracker_(tracker) {}
 
   // The interface of nlohmann's SAX.
   bool null() { return add(nullptr, tracker_.token()); }
@@ -123,8 +123,8 @@ private:
   JsonValue* place(JsonValue v) {
     count(v.at);
     if (open_.empty()) {
-      document_.root = std::move(v);
-      return &document_.root;
+      root_ = std::move(v);
+      return &root_;
     }
     if (auto* elements = std::get_if<JsonValue::Array>(&open_.back()->data)) return &elements->emplace_back(std::move(v));
     JsonMember& member = std::get<JsonValue::Object>(open_.back()->data).back();
@@ -133,7 +133,7 @@ private:
   }
 
   void count(TextPosition at) {
-    if (++count_ > limits_.values) throw error(at, fmt::format("more than {} values", limits_.values));
+    if (++document_.values > limits_.values) throw error(at, fmt::format("more than {} values", limits_.values));
   }
 
   void report_duplicates(const JsonValue::Object& members) {
@@ -175,30 +175,31 @@ private:
   }
 
   Document& document_;
+  JsonValue& root_;
   ProblemList& problems_;
   const DocumentLimits& limits_;
   const TokenTracker& tracker_;
   std::vector<JsonValue*> open_;
-  size_t count_ = 0;
 };
 
 } // namespace
 
-Document parse_document(std::string_view text, std::string file, ProblemList& problems, const DocumentLimits& limits) {
-  Document document;
-  document.file = std::move(file);
-  const auto fail = [&](const char* message) { return Error(ExitStatus::bad_data, message, {document.file}); };
-  if (text.size() > limits.bytes) throw fail("the file is too large for a scene");
+JsonValue parse_source(std::string_view text, std::uint32_t source, Document& document, ProblemList& problems,
+                       const DocumentLimits& limits) {
+  const auto fail = [&](const char* message) { return Error(ExitStatus::bad_data, message, {document.sources.at(source).name}); };
+  document.bytes += text.size();
+  if (document.bytes > limits.bytes) throw fail("the file is too large for a scene");
   // The lexer takes a zero byte for the end of the text, whatever follows.
   if (text.find('\0') != std::string_view::npos) throw fail("the file holds zero bytes: it is no text");
   constexpr std::string_view k_utf8_bom = "\xEF\xBB\xBF";
   if (text.substr(0, k_utf8_bom.size()) == k_utf8_bom) text.remove_prefix(k_utf8_bom.size());
 
-  TokenTracker tracker;
-  DocumentBuilder builder(document, problems, limits, tracker);
+  JsonValue root;
+  TokenTracker tracker(source);
+  DocumentBuilder builder(document, root, problems, limits, tracker);
   const TrackedIterator begin(text.data(), &tracker), end(text.data() + text.size(), &tracker);
   nlohmann::json::sax_parse(begin, end, &builder, nlohmann::json::input_format_t::json, /*strict*/ true, /*ignore_comments*/ true);
-  return document;
+  return root;
 }
 
 } // namespace kelpie

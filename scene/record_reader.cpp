@@ -2,6 +2,11 @@
 
 namespace kelpie {
 
+std::string unknown_name(std::string_view what, std::string_view name, std::span<const std::string_view> known) {
+  const std::string hint = known.empty() ? fmt::format(": the scene has no {}s", what) : suggestion(name, known);
+  return fmt::format("unknown {} {}{}", what, in_quotes(name), hint);
+}
+
 bool RecordReader::read(FieldPtr& out, const JsonValue& v, const ParameterRules& rules) {
   auto node = std::make_shared<FieldNode>();
   node->where = where(v);
@@ -11,10 +16,27 @@ bool RecordReader::read(FieldPtr& out, const JsonValue& v, const ParameterRules&
   return is_good;
 }
 
-bool RecordReader::fail_unknown_key(const JsonMember& m, std::string_view owner, std::span<const std::string_view> known) {
-  const SourcePosition at = document().where(m.key_at);
-  if (is_reserved(ReservedAs::key, owner, m.key)) return fail(at, fmt::format("{} is known but not built yet", in_quotes(m.key)));
-  return fail(at, fmt::format("unknown key {}{}", in_quotes(m.key), suggestion(m.key, known)));
+bool RecordReader::read_named(SurfaceKinds::Variant<AnimatedMode>& out, const JsonValue& v) {
+  const std::string& name = *v.string();
+  if (surfaces_ && surfaces_->count(name)) {
+    out = surfaces_->at(name);
+    return true;
+  }
+  std::vector<std::string_view> known;
+  if (surfaces_)
+    for (const auto& entry : *surfaces_) known.push_back(entry.first);
+  return document().is_complete && fail(v, unknown_name("surface", name, known));
+}
+
+bool RecordReader::check_keys(const JsonValue& v, std::string_view owner, std::span<const std::string_view> known) {
+  bool is_good = true;
+  for (const JsonMember& m : *v.object()) {
+    if (std::find(known.begin(), known.end(), m.key) != known.end()) continue;
+    const bool is_to_come = is_reserved(ReservedAs::key, owner, m.key);
+    is_good = fail(document().where(m.key_at), is_to_come ? fmt::format("{} is known but not built yet", in_quotes(m.key))
+                                                          : fmt::format("unknown key {}{}", in_quotes(m.key), suggestion(m.key, known)));
+  }
+  return is_good;
 }
 
 bool RecordReader::check_row(const JsonValue& parent, const JsonMember& m, const ParameterRules& rules) {

@@ -13,6 +13,9 @@ struct ReadNode {
   const JsonValue* source;
 };
 
+/// Says that the scene has no such part or surface, and which it has.
+std::string unknown_name(std::string_view what, std::string_view name, std::span<const std::string_view> known);
+
 class RecordReader : public ValueReader {
 public:
   using ValueReader::read;
@@ -34,6 +37,8 @@ public:
   template <IsKindVariant V>
   bool read(V& out, const JsonValue& v, const ParameterRules& rules) {
     using List = typename KindsTrait<V>::List;
+    if constexpr (std::is_same_v<List, SurfaceKinds>)
+      if (v.string() && !rules.library.empty()) return read_named(out, v);
     const std::vector<std::string_view> known = kind_names<List>();
     const std::string* name = read_kind_name(v, rules.name, k_group_name<List>, known);
     if (!name) return false;
@@ -71,44 +76,62 @@ public:
     return is_good;
   }
 
+  template <IsMap T>
+  bool read(T& out, const JsonValue& v, const ParameterRules& rules) {
+    if (!v.object()) return fail_type(v, rules.name, "an object");
+    out.clear();
+    bool is_good = true;
+    for (const JsonMember& m : *v.object()) {
+      if (m.key.empty()) is_good = fail(document().where(m.key_at), fmt::format("{}: a name may not be empty", rules.name));
+      is_good &= read(out[m.key], m.value, rules);
+    }
+    if constexpr (std::is_same_v<T, Surfaces>)
+      if (!surfaces_) surfaces_ = &out;
+    return is_good;
+  }
+
   /// Every node of every field, children first.
   const std::vector<ReadNode>& nodes() const { return nodes_; }
 
 private:
+  using Surfaces = decltype(Scene::surfaces);
+
+  /// In the order of the table, whatever that of the text.
   template <Record T>
   bool read_record(T& out, const JsonValue& v, std::string_view owner, bool is_kind) {
     bool is_good = true;
-    for (const JsonMember& m : *v.object()) {
-      if (is_kind && m.key == "kind") continue;
-      bool is_known = false;
-      for_each_parameter<T>([&](const auto& row) {
-        if (row.name != m.key) return;
-        is_known = true;
+    size_t known = is_kind && v.find("kind");
+    for_each_parameter<T>([&](const auto& row) {
+      for (const JsonMember& m : *v.object()) {
+        if (m.key != row.name) continue;
+        ++known;
         is_good &= read(out.*(row.member), m.value, row);
         is_good &= check_row(v, m, row);
-      });
-      if (!is_known) is_good = fail_unknown_key<T>(m, owner, is_kind);
-    }
+      }
+    });
+    if (known < v.object()->size()) is_good &= check_keys<T>(v, owner, is_kind);
     for_each_parameter<T>([&](const auto& row) { is_good &= check_presence(v, owner, row); });
     if constexpr (requires { out.where = where(v); }) out.where = where(v);
     return is_good;
   }
 
   template <Record T>
-  bool fail_unknown_key(const JsonMember& m, std::string_view owner, bool is_kind) {
+  bool check_keys(const JsonValue& v, std::string_view owner, bool is_kind) {
     std::vector<std::string_view> known;
     if (is_kind) known.push_back("kind");
     for_each_parameter<T>([&](const auto& row) { known.push_back(row.name); });
-    return fail_unknown_key(m, owner, known);
+    return check_keys(v, owner, known);
   }
 
-  bool fail_unknown_key(const JsonMember&, std::string_view owner, std::span<const std::string_view> known);
+  bool check_keys(const JsonValue&, std::string_view owner, std::span<const std::string_view> known);
+  bool read_named(SurfaceKinds::Variant<AnimatedMode>& out, const JsonValue&);
   bool check_row(const JsonValue& parent, const JsonMember&, const ParameterRules&);
   bool check_presence(const JsonValue&, std::string_view owner, const ParameterRules&);
   const std::string* read_kind_name(const JsonValue&, std::string_view parameter, std::string_view group,
                                     std::span<const std::string_view> known);
 
   std::vector<ReadNode> nodes_;
+  const Surfaces* surfaces_ = nullptr; ///< the scene's, once they are read
 };
 
 } // namespace kelpie

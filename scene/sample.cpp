@@ -31,20 +31,42 @@ Kind<SampledMode> sample_kind(const Kind<AnimatedMode>& animated, double frame) 
   return sampled;
 }
 
-/// Appends the subtree in post-order; returns the index of its root.
-unsigned sample_tree(const FieldNode& node, double frame, SampledField& out) {
-  return std::visit(
-      [&]<template <class> class Kind>(const Kind<AnimatedMode>& animated) {
-        Kind<SampledMode> sampled = sample_kind(animated, frame);
-        if constexpr (requires { animated.children; })
-          for (const FieldPtr& child : animated.children) sampled.children.push_back(sample_tree(*child, frame, out));
-        if constexpr (requires { animated.child; }) sampled.child = sample_tree(*animated.child, frame, out);
-        if constexpr (requires { animated.region; }) sampled.region = sample_tree(*animated.region, frame, out);
-        out.nodes.emplace_back(std::move(sampled));
-        return static_cast<unsigned>(out.nodes.size() - 1);
-      },
-      node.kind);
-}
+class FieldSampler {
+public:
+  FieldSampler(double frame, SampledField& out) : frame_(frame), out_(out) {}
+
+  /// Appends the subtree in post-order, as it is `time_offset` frames earlier; returns the index of its root.
+  unsigned add(const FieldNode& node, double time_offset = 0) {
+    return std::visit(
+        [&]<template <class> class Kind>(const Kind<AnimatedMode>& animated) {
+          Kind<SampledMode> sampled = sample_kind(animated, frame_ - time_offset);
+          if constexpr (requires { animated.children; })
+            for (const FieldPtr& child : animated.children) sampled.children.push_back(add(*child, time_offset));
+          if constexpr (std::is_same_v<Kind<AnimatedMode>, Instance<AnimatedMode>>)
+            sampled.child = add_part(*animated.child, time_offset + animated.time_offset);
+          else if constexpr (requires { animated.child; })
+            sampled.child = add(*animated.child, time_offset);
+          if constexpr (requires { animated.region; }) sampled.region = add(*animated.region, time_offset);
+          out_.nodes.emplace_back(std::move(sampled));
+          return static_cast<unsigned>(out_.nodes.size() - 1);
+        },
+        node.kind);
+  }
+
+private:
+  /// Once for all instances of this offset: what is shared does not depend on the frame, so all moments have one structure.
+  unsigned add_part(const FieldNode& part, double time_offset) {
+    const auto found = parts_.find({&part, time_offset});
+    if (found != parts_.end()) return found->second;
+    const unsigned root = add(part, time_offset);
+    parts_.emplace(std::pair{&part, time_offset}, root);
+    return root;
+  }
+
+  double frame_;
+  SampledField& out_;
+  std::map<std::pair<const FieldNode*, double>, unsigned> parts_; ///< roots
+};
 
 /// The variant of a list, at one moment.
 template <class List>
@@ -54,7 +76,7 @@ typename List::template Variant<SampledMode> sample_variant(const typename List:
                     v);
 }
 
-/// Adds the frames of all keys of a kind and of what is below it.
+/// Adds the frames of all keys of a kind.
 template <class Kind>
 void collect_keys(const Kind& kind, std::set<double>& out) {
   const auto one = [&](const auto& value) {
@@ -64,12 +86,29 @@ void collect_keys(const Kind& kind, std::set<double>& out) {
     }
   };
   std::apply([&](const auto&... row) { (one(kind.*(row.member)), ...); }, Kind::parameters());
-  const auto below = [&](const FieldNode& node) { std::visit([&](const auto& k) { collect_keys(k, out); }, node.kind); };
-  if constexpr (requires { kind.children; })
-    for (const FieldPtr& child : kind.children) below(*child);
-  if constexpr (requires { kind.child; }) below(*kind.child);
-  if constexpr (requires { kind.region; }) below(*kind.region);
 }
+
+/// The frames of all keys of fields.
+class KeyCollector {
+public:
+  void add(const FieldNode& node, std::set<double>& out) {
+    std::visit([&](const auto& kind) { collect_keys(kind, out); }, node.kind);
+    for_each_child(node, [&](const FieldPtr& child) { add(*child, out); });
+    if (const auto* instance = std::get_if<Instance<AnimatedMode>>(&node.kind))
+      for (const double frame : keys_of(*instance->child)) out.insert(frame + instance->time_offset);
+  }
+
+private:
+  const std::set<double>& keys_of(const FieldNode& part) {
+    const auto found = parts_.find(&part);
+    if (found != parts_.end()) return found->second;
+    std::set<double> keys;
+    add(part, keys);
+    return parts_.emplace(&part, std::move(keys)).first->second;
+  }
+
+  std::map<const FieldNode*, std::set<double>> parts_; ///< in their own time
+};
 
 FrameScene sample_moment(const Scene& scene, double frame) {
   FrameScene out;
@@ -79,7 +118,7 @@ FrameScene sample_moment(const Scene& scene, double frame) {
   for (const auto& light : scene.lights) out.lights.push_back(sample_variant<LightKinds>(light, frame));
   for (const Shape& shape : scene.shapes) {
     SampledShape s{shape.name, shape.threshold.at(frame), {}, {}, sample_variant<SurfaceKinds>(shape.surface, frame)};
-    if (shape.field) sample_tree(*shape.field, frame, s.field);
+    if (shape.field) FieldSampler(frame, s.field).add(*shape.field);
     if (shape.geometry) s.geometry = sample_variant<GeometryKinds>(*shape.geometry, frame);
     out.shapes.push_back(std::move(s));
   }
@@ -97,10 +136,11 @@ bool is_equal(const SampledField& a, const SampledField& b) {
 FrameScene sample(const Scene& scene, double frame) {
   FrameScene out = sample_moment(scene, frame);
   std::set<double> keys, camera_keys;
+  KeyCollector fields;
   for (const Shape& shape : scene.shapes) {
     if (!shape.threshold.is_constant())
       for (const auto& key : shape.threshold.keys()) keys.insert(key.frame);
-    if (shape.field) std::visit([&](const auto& kind) { collect_keys(kind, keys); }, shape.field->kind);
+    if (shape.field) fields.add(*shape.field, keys);
     if (shape.geometry) std::visit([&](const auto& kind) { collect_keys(kind, keys); }, *shape.geometry);
   }
   collect_keys(scene.camera, camera_keys);

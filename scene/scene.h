@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 
 #include "materials/surfaces.h"
@@ -36,7 +37,7 @@ The surface is where the potential equals the threshold; inside it is larger.)";
         parameter("threshold", &Shape::threshold, "the potential at the surface of `field`").above(0),
         parameter("field", &Shape::field, "an implicit shape").alternative_to("geometry").required(),
         parameter("geometry", &Shape::geometry, "ordinary geometry").alternative_to("field").required(),
-        parameter("surface", &Shape::surface, "what it is made of"),
+        parameter("surface", &Shape::surface, "what it is made of").or_named_in("surfaces"),
     };
   }
 };
@@ -67,7 +68,11 @@ World space is right-handed, y up. Files that a scene names are relative to it.)
 
   int version = 1;
   std::string schema;
+  double units = 1;
   Frames frames;
+  std::vector<std::string> include;
+  std::map<std::string, SurfaceKinds::Variant<AnimatedMode>> surfaces;
+  std::map<std::string, FieldPtr> parts;
   Camera<AnimatedMode> camera;
   Film<AnimatedMode> film;
   std::vector<Light> lights;
@@ -79,7 +84,15 @@ World space is right-handed, y up. Files that a scene names are relative to it.)
     return std::tuple{
         parameter("kelpie", &Scene::version, "version of the format").at_least(1).at_most(1).required(),
         parameter("$schema", &Scene::schema, "where editors find the format's JSON schema (`kelpie schema`); not used otherwise"),
+        parameter("units", &Scene::units,
+                  "metres per scene unit, for whatever depends on true size: absorption, scattering below surfaces, printing (none of "
+                  "these is built yet)")
+            .above(0),
         parameter("frames", &Scene::frames, "which frames there are"),
+        parameter("include", &Scene::include, "files whose surfaces and parts are this scene's too: `kelpie kinds library`"),
+        // What is referred to stands before what refers to it: this is the order of reading.
+        parameter("surfaces", &Scene::surfaces, "surfaces by name, for any number of shapes"),
+        parameter("parts", &Scene::parts, "fields by name, for any number of instances (`kelpie kinds instance`); not seen by themselves"),
         parameter("camera", &Scene::camera, "where the picture is taken from"),
         parameter("film", &Scene::film, "size and quality of the picture"),
         parameter("lights", &Scene::lights, "all lights; where there is none, the studio environment lights the scene"),

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "scene/library.h"
 #include "scene/manual.h"
 #include "scene/parameter_text.h"
 #include "scene/reserved.h"
@@ -64,7 +65,11 @@ Json type_schema(const ParameterRules& rules) {
     if (rules.is_required) list["minItems"] = 1;
     if (NamedEnum<Element>) list["uniqueItems"] = true;
     return list;
-  } else if constexpr (NamedEnum<T>)
+  } else if constexpr (IsMap<T>)
+    return {{"type", "object"},
+            {"propertyNames", {{"minLength", 1}}},
+            {"additionalProperties", type_schema<typename MapTrait<T>::Value>(rules)}};
+  else if constexpr (NamedEnum<T>)
     return {{"enum", enum_names<T>()}};
   else if constexpr (std::is_same_v<T, bool>)
     return {{"type", "boolean"}};
@@ -80,7 +85,7 @@ Json type_schema(const ParameterRules& rules) {
     return colour_schema(rules.range);
   else if constexpr (std::is_same_v<T, Background>)
     return {{"anyOf", {{{"enum", {"environment", "transparent"}}}, colour_schema(rules.range)}}};
-  else if constexpr (std::is_same_v<T, std::string> || std::is_same_v<T, AssetPath>)
+  else if constexpr (std::is_same_v<T, std::string> || std::is_same_v<T, AssetPath> || std::is_same_v<T, PartName>)
     return {{"type", "string"}, {"minLength", 1}};
   else
     return reference(type_text<T>()); // records and kinds have a definition of their own
@@ -93,6 +98,7 @@ Json record_schema(bool is_kind) {
   const T defaults{};
   for_each_parameter<T>([&](const auto& row) {
     Json p = type_schema<MemberOf<decltype(row)>>(row);
+    if (!row.library.empty()) p = {{"anyOf", {p, {{"type", "string"}, {"minLength", 1}}}}};
     p["description"] = row.unit == Unit::none ? std::string(row.doc) : fmt::format("{} ({})", row.doc, unit_text(row.unit));
     if (const std::string value = json_text(defaults.*(row.member)); !value.empty() && !row.is_required) p["default"] = Json::parse(value);
     properties[std::string(row.name)] = std::move(p);
@@ -139,6 +145,7 @@ std::string json_schema() {
   define_record<Camera<AnimatedMode>>(definitions);
   define_record<Film<AnimatedMode>>(definitions);
   define_record<Shape>(definitions);
+  define_record<Library>(definitions);
   define_kinds<FieldKinds>(definitions);
   define_kinds<SurfaceKinds>(definitions);
   define_kinds<GeometryKinds>(definitions);

@@ -9,6 +9,9 @@ namespace kelpie {
 /// token does not say where it began. Knows just enough of JSON with comments to tell tokens apart.
 class TokenTracker {
 public:
+  /// `source`: of all positions.
+  explicit TokenTracker(std::uint32_t source) : next_{1, 1, source}, last_(next_) {}
+
   void consume(unsigned char c);
 
   /// The character to come.
@@ -35,7 +38,7 @@ private:
   void begin_token(unsigned char c, State then);
   void advance(unsigned char c);
 
-  TextPosition next_{1, 1, 0}, last_{1, 1, 0};
+  TextPosition next_, last_;
   Token token_, previous_;
   State state_ = State::between;
 };

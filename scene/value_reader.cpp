@@ -61,14 +61,20 @@ bool ValueReader::read(std::string& out, const JsonValue& v, const ParameterRule
 
 bool ValueReader::read(AssetPath& out, const JsonValue& v, const ParameterRules& rules) {
   if (!v.string()) return fail_type(v, rules.name, "a path");
+  const DocumentSource& source = document_.sources.at(v.at.source);
   try {
-    const bool is_from_command_line = v.at.source > 0;
-    out = {*v.string(), folder_.resolve(*v.string(), is_from_command_line)};
+    out = {*v.string(), folder_.resolve(source.folder, *v.string(), source.is_command_line)};
   } catch (const Error& e) {
     problems_.add(where(v), fmt::format("{}: {}", rules.name, e.problems[0].message), e.status);
     return false;
   }
-  asset_files_[out.path] = out.resolved;
+  asset_files_[(source.folder / out.path).string()] = out.resolved;
+  return true;
+}
+
+bool ValueReader::read(PartName& out, const JsonValue& v, const ParameterRules& rules) {
+  if (!v.string()) return fail_type(v, rules.name, "the name of a part");
+  out.name = *v.string();
   return true;
 }
 

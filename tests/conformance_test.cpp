@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "field/skeletons/range.h"
-#include "scene/scene.h"
+#include "scene/library.h"
 #include "tests/support/random_kind.h"
 
 namespace kelpie {
@@ -119,6 +119,7 @@ TEST(Conformance, TablesAreSound) {
   expect_sound_table<Shape>();
   expect_sound_table<Frames>();
   expect_sound_table<Scene>();
+  expect_sound_table<Library>();
 }
 
 TEST(Conformance, EveryKindOfFieldIsOneTheEngineKnows) {

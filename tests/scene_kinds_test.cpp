@@ -19,7 +19,7 @@ struct Place {
 
 Place place_of(std::string_view group, const std::string& json) {
   const std::string shape = "{\"kelpie\":1,\"shapes\":[{\"name\":\"a\",";
-  if (group == "field") return {shape + "\"field\":" + json + "}]}", "shapes.a.field"};
+  if (group == "field") return {shape + "\"field\":" + json + "}],\"parts\":{\"part\":" + k_point + "}}", "shapes.a.field"};
   if (group == "geometry") return {shape + "\"geometry\":" + json + "}]}", "shapes.a.geometry"};
   if (group == "surface") return {shape + "\"field\":" + k_point + ",\"surface\":" + json + "}]}", "shapes.a.surface"};
   if (group == "light")

@@ -301,9 +301,13 @@ TEST(Reader, ReadsEveryExample) {
 // never anything else.
 TEST(Reader, SurvivesDamagedText) {
   const SceneFolder folder;
-  for (const char* name : {"blob.json", "boolean.json", "creature.json"}) {
+  const auto text_of = [](const std::string& name) {
     std::ifstream file(std::string(KELPIE_EXAMPLES) + "/" + name, std::ios::binary);
-    const std::string text((std::istreambuf_iterator<char>(file)), {});
+    return std::string((std::istreambuf_iterator<char>(file)), {});
+  };
+  folder.write("parts/metals.json", text_of("parts/metals.json"));
+  for (const char* name : {"blob.json", "boolean.json", "creature.json", "braid.json"}) {
+    const std::string text = text_of(name);
     ASSERT_EQ(folder.errors(text), "") << name;
     std::uint32_t random = 1;
     for (size_t i = 0; i < 100; ++i) {

@@ -42,6 +42,30 @@ TEST_F(WrongInput, Scenes) {
   expect_scene("{ \"kelpie\": 1,\n  \"shapes\": [ }\n", 65, "error: scene.json:2:15: expected a value\n");
 }
 
+TEST_F(WrongInput, PartsAndIncludedFiles) {
+  const std::string shapes = R"("shapes": [ { "name": "a", "field": { "kind": "instance", "of": "drop" } } ] })";
+  const auto with_parts = [&](const std::string& parts) { return "{ \"kelpie\": 1, \"parts\": {\n" + parts + " },\n" + shapes; };
+  const auto including = [&](const std::string& file) { return "{ \"kelpie\": 1, \"include\": [\"" + file + "\"],\n" + shapes; };
+  expect_scene(with_parts(R"("drop": { "kind": "point", "centre": [0, 0, 0], "radius": -1 })"), 65,
+               "error: scene.json:2:59: radius must be > 0, found -1\n");
+  expect_scene(with_parts(R"("drop": { "kind": "instance", "of": "drip" },
+"drip": { "kind": "instance", "of": "drop" })"),
+               65, "error: scene.json:2:37: a cycle of parts: \"drip\" > \"drop\" > \"drip\"\n");
+  expect_scene(with_parts(R"("dorp": { "kind": "point", "centre": [0, 0, 0], "radius": 1 })"), 65,
+               "error: scene.json:3:65: unknown part \"drop\" (did you mean \"dorp\"?)\n");
+  expect_scene(including("scene.json"), 65, "error: scene.json:1:28: include: a cycle: scene.json > scene.json\n");
+  expect_scene(including("/etc/hostname"), 65,
+               "error: scene.json:1:28: include: \"/etc/hostname\" lies outside the scene's folder (--allow-path permits it)\n");
+  expect_scene(including("none.json"), 66, "error: scene.json:1:28: include: \"none.json\" does not exist (" + path("none.json") + ")\n");
+  // Three problems here and one there, in one go.
+  write("parts.json", "{ \"kelpie\": 1,\n  \"parts\": { \"drip\": { \"kind\": \"point\", \"centre\": [0, 0], \"radius\": 1 } } }");
+  expect_scene("{ \"kelpie\": 1, \"include\": [\"parts.json\"],\n\"camera\": { \"fov\": 200 }, \"film\": { \"ssp\": 4 },\n" + shapes, 65,
+               "error: parts.json:2:51: centre: expected [x, y, z], found 2 values\n"
+               "error: scene.json:2:20: fov must be > 0 and < 180, found 200\n"
+               "error: scene.json:2:37: unknown key \"ssp\" (did you mean \"spp\"?)\n"
+               "error: scene.json:3:65: unknown part \"drop\" (did you mean \"drip\"?)\n");
+}
+
 TEST_F(WrongInput, FramesAndOutputs) {
   write("scene.json", k_good);
   const std::string hint = "; write 12, 1-100, 1-100x2 or a list of these: 1-96x2,100\n";

@@ -103,4 +103,10 @@ struct Scale {
   }
 };
 
+/// p -> position + rotation(scale * p): how what has an origin of its own is placed.
+inline Affine placement(const Vec3& position, const Vec3& axis, float angle, const Vec3& scale) {
+  return Translate<SampledMode>{position}.parent_from_child() * Rotate<SampledMode>{axis, angle}.parent_from_child() *
+         Scale<SampledMode>{scale}.parent_from_child();
+}
+
 } // namespace kelpie

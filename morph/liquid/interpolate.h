@@ -47,6 +47,7 @@ public:
   void append_blobs(float progress, BlobCloud& out) const;
   /// The same field, but for rounding, cut into the same parts at every progress.
   void append_parts(float progress, BlobCloud& out) const { append_parts(progress, gain_at(progress), out); }
+  size_t part_count() const { return parts_.size(); }
 
 private:
   struct End {

@@ -145,6 +145,13 @@ inline reference::Affine reference_inverse(const Scale<SampledMode>& k) {
   return w;
 }
 
+inline reference::Affine reference_inverse(const Instance<SampledMode>& k) {
+  reference::Affine w = reference_inverse(Rotate<SampledMode>{k.axis, k.angle});
+  for (int i = 0; i < 3; ++i) w.rows[i] = w.rows[i] * (1.0 / k.scale[i]);
+  w.offset = w.direction(reference_of(k.position)) * -1;
+  return w;
+}
+
 /// Below a blend of several fields the automatic formula is the smooth one.
 inline bool reference_is_smooth(BooleanFormula formula, bool is_below_blend) {
   return formula == BooleanFormula::smooth || (formula == BooleanFormula::automatic && is_below_blend);
