@@ -140,6 +140,26 @@ TEST(Parts, MoveAtTheirOwnTime) {
   EXPECT_TRUE(sample(scene, 1).moment);
 }
 
+// Its 48 frames are a loop, for all that is late in it.
+TEST(Parts, OfTheBraidLoop) {
+  Diagnostics diagnostics;
+  const Scene scene = read_scene(std::string(KELPIE_EXAMPLES) + "/braid.json", {}, diagnostics);
+  const FrameScene a = sample(scene, scene.frames.first), b = sample(scene, scene.frames.last + 1);
+  int moving = 0;
+  for (size_t s = 0; s < a.shapes.size(); ++s)
+    for (size_t i = 0; i < a.shapes[s].field.nodes.size(); ++i) {
+      const auto &before = a.shapes[s].field.nodes[i], &after = b.shapes[s].field.nodes[i];
+      if (const auto* point = std::get_if<Point<SampledMode>>(&before)) {
+        EXPECT_NEAR(point->radius, std::get<Point<SampledMode>>(after).radius, 1e-5f);
+      }
+      if (const auto* turned = std::get_if<Rotate<SampledMode>>(&before)) {
+        EXPECT_NEAR(std::get<Rotate<SampledMode>>(after).angle - turned->angle, 360, 1e-3);
+        ++moving;
+      }
+    }
+  EXPECT_EQ(moving, 3 * 24); // of each strand 72 beads, which have 24 different delays
+}
+
 TEST(Surfaces, MayHaveNames) {
   const SceneFolder folder;
   const auto scene = [](const std::string& surfaces, const std::string& used) {
