@@ -29,9 +29,11 @@ struct Interval {
 constexpr Interval operator-(Interval a) { return {-a.hi, -a.lo}; }
 constexpr Interval operator+(Interval a, Interval b) { return {a.lo + b.lo, a.hi + b.hi}; }
 constexpr Interval operator-(Interval a, Interval b) { return {a.lo - b.hi, a.hi - b.lo}; }
+/// An unbounded factor with one that may be 0 says nothing.
 constexpr Interval operator*(Interval a, Interval b) {
   const double p = a.lo * b.lo, q = a.lo * b.hi, r = a.hi * b.lo, s = a.hi * b.hi;
-  return {std::min(std::min(p, q), std::min(r, s)), std::max(std::max(p, q), std::max(r, s))};
+  const double lo = std::min(std::min(p, q), std::min(r, s)), hi = std::max(std::max(p, q), std::max(r, s));
+  return lo <= hi ? Interval{lo, hi} : Interval::everything(); // 0 times infinity is no number
 }
 constexpr Interval operator*(Interval a, double b) { return b >= 0 ? Interval{a.lo * b, a.hi * b} : Interval{a.hi * b, a.lo * b}; }
 constexpr Interval operator*(double a, Interval b) { return b * a; }

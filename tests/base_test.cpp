@@ -33,6 +33,16 @@ TEST(Animated, HermiteReproducesPolynomials) {
   for (double t = 0; t <= 2; t += 0.125) EXPECT_NEAR(a.at(t), f(t), 2e-6);
 }
 
+// As slopes have it where the one is unbounded and the other may vanish.
+TEST(Interval, OfAnUnboundedProductIsEverything) {
+  for (const Interval& f : {Interval{0, 1}, Interval{-1, 0}, Interval{0, 0}})
+    for (const Interval& product : {f * Interval::everything(), Interval::everything() * f}) {
+      EXPECT_EQ(product.lo, Interval::everything().lo);
+      EXPECT_EQ(product.hi, Interval::everything().hi);
+    }
+  EXPECT_TRUE((Interval{0, 1} * Interval{2, Interval::everything().hi}).contains(0));
+}
+
 TEST(Interval, ContainsWhatItsOperandsYield) {
   const Interval a{-2, 3}, b{0.5, 1.5};
   for (double x = a.lo; x <= a.hi; x += 0.25)
