@@ -161,6 +161,7 @@ bool is_equal(const Kind& a, const Kind& b) {
   if constexpr (requires { a.morph; }) equal = equal && a.morph == b.morph;
   if constexpr (requires { a.mesh; }) equal = equal && a.mesh == b.mesh;
   if constexpr (requires { a.child; }) equal = equal && a.child == b.child;
+  if constexpr (requires { a.grid; }) equal = equal && a.grid == b.grid;
   return equal;
 }
 

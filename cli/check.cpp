@@ -20,7 +20,7 @@ void check(const std::string& path, const RenderOptions& options) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   use_ocio_config(options.ocio);
   Diagnostics diagnostics;
-  Scene scene = read_scene(path, {options.set, options.allow_paths}, diagnostics);
+  Scene scene = read_scene(path, {options.set, options.allow_paths, !options.no_cache}, diagnostics);
   const PixelBox window = apply_film_options(options, scene.film);
   const std::vector<int> frames = parse_frames(options.frames.value_or(fmt::format("{}-{}", scene.frames.first, scene.frames.last)));
 
@@ -52,7 +52,7 @@ void add_check(CLI::App& app) {
   command.add_option("-f,--frames", options->frames, "the frames that would be rendered [all of the scene]");
   add_film_options(command, *options);
   command.add_option("-j,--threads", options->threads, "threads that would be used [all cores]")->check(CLI::Range(0, 4096));
-  command.add_flag("--no-cache")->description("accepted everywhere; checking caches nothing");
+  command.add_flag("--no-cache", options->no_cache, "make the distances of meshes anew, and keep nothing in ~/.cache/kelpie");
   command.callback([=] { check(*path, *options); });
 }
 

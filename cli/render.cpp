@@ -110,7 +110,7 @@ void add_render_options(CLI::App& command, RenderOptions& o) {
   command.add_flag("--skip-existing", o.skip_existing, "keep frames that exist, are whole, and are of this very scene");
   command.add_option("--stats", o.stats, "write times and counts to a JSON file");
   add_progress_option(command, o.progress);
-  command.add_flag("--no-cache")->description("accepted everywhere; rendering caches nothing");
+  command.add_flag("--no-cache", o.no_cache, "make the distances of meshes anew, and keep nothing in ~/.cache/kelpie");
 }
 
 void render_scene(const std::string& scene_path, const std::string& name, const RenderOptions& options) {
@@ -120,7 +120,7 @@ void render_scene(const std::string& scene_path, const std::string& name, const 
   use_ocio_config(options.ocio);
 
   Diagnostics diagnostics;
-  Scene scene = read_scene(scene_path, {options.set, options.allow_paths}, diagnostics);
+  Scene scene = read_scene(scene_path, {options.set, options.allow_paths, !options.no_cache}, diagnostics);
   print_warnings(diagnostics);
   const PixelBox window = apply_film_options(options, scene.film);
   const std::vector<int> frames = frames_to_render(scene, options.frames);

@@ -20,6 +20,7 @@ struct RenderOptions {
   int spp = 0;                       ///< 0: as in the scene
   int threads = 0;                   ///< 0: all cores
   bool skip_existing = false;
+  bool no_cache = false;
   bool heatmap = false; ///< add the channel `cost`
   std::string stats;    ///< a JSON file, or empty
   ProgressMode progress = ProgressMode::automatic;

@@ -4,6 +4,13 @@
 #include <concepts>
 
 #include "field/clouds/blobs.h"
+#include "field/distances/box.h"
+#include "field/distances/capsule.h"
+#include "field/distances/cylinder.h"
+#include "field/distances/mesh.h"
+#include "field/distances/plane.h"
+#include "field/distances/sphere.h"
+#include "field/distances/torus.h"
 #include "field/operators/blend.h"
 #include "field/operators/difference.h"
 #include "field/operators/hyper_blend.h"
@@ -51,6 +58,13 @@ using FieldFolderKinds = KindList< //
     Tetrahedron,                   //
     Prism,                         //
     Polyhedron,                    //
+    SdfSphere,                     //
+    SdfBox,                        //
+    SdfCylinder,                   //
+    SdfCapsule,                    //
+    SdfTorus,                      //
+    SdfPlane,                      //
+    SdfMesh,                       //
     Blobs,                         //
     Blend,                         //
     Union,                         //
@@ -74,7 +88,8 @@ template <class K>
 concept BlobSource = requires(const K k, BlobCloud out) {
   k.append_blobs(out);
 };
-/// A leaf: `Box3 support()`, and `Real potential(Point3<Real>)` for double, Interval and Dual.
+/// A leaf: `Box3 support()`, and `Real potential(Point3<Real>)` for double, Interval and Dual. A signed distance (field/distances) may
+/// say that its potential counts in thresholds of the shape.
 template <class K>
 concept Skeleton = requires(const K k, Point3<double> p, Point3<Interval> b) {
   k.support();
@@ -83,11 +98,18 @@ concept Skeleton = requires(const K k, Point3<double> p, Point3<Interval> b) {
 };
 /// A skeleton that can be followed while it changes: `double displacement_from(other)` is how far its solid moves between
 /// two states, and any two states whose numbers are interpolated linearly between theirs (the Hausdorff distance; a bound
-/// will do). The potential is weight * falloff(d^2 / radius^2), d the distance to the solid. Others stand in a slab of time.
+/// will do; of a signed distance that of the surfaces). The potential is weight * falloff(d^2 / radius^2), d the distance to the solid.
+/// Others stand in a slab of time.
 template <class K>
 concept MovingSkeleton = Skeleton<K> && requires(const K k) {
   k.displacement_from(k);
   k.radius, k.weight, k.falloff;
+};
+/// A leaf that is a signed distance: field/distances/distance_field.h.
+template <class K>
+concept SignedDistance = Skeleton<K> && requires(const K k, Point3<double> p) {
+  k.signed_distance(p);
+  k.is_in_thresholds();
 };
 /// A skeleton whose potential is weight * falloff(d^2/radius^2) of the distance to a cone-sphere:
 /// `ConeSphereSolid solid()`.
@@ -122,5 +144,21 @@ template <class K>
 concept MovingWarp = Warp<K> && requires(const K k) {
   k.displacement_from(k, Box3d{});
 };
+
+/// How far from its solid a skeleton reaches.
+template <Skeleton K>
+double reach_of(const K& kind) {
+  if constexpr (SignedDistance<K>)
+    return kind.reach();
+  else
+    return kind.radius;
+}
+/// Of the potential of a skeleton, what 1 is.
+template <Skeleton K, class T>
+T potential_unit(const K& kind, const T& threshold) {
+  if constexpr (SignedDistance<K>)
+    if (kind.is_in_thresholds()) return threshold;
+  return T(1.0);
+}
 
 } // namespace kelpie

@@ -54,11 +54,51 @@ void check_camera(const Camera<AnimatedMode>& camera, const Document& document, 
   }
 }
 
+/// Finds leaves that make fields endless. Parts are looked at once, however many instances they have.
+class EndlessLeaves {
+public:
+  /// One that makes this field endless; null if there is none.
+  const FieldNode* find(const FieldNode& node) {
+    const auto known = found_.find(&node);
+    if (known != found_.end()) return known->second;
+    const FieldNode* leaf = std::visit([&](const auto& kind) { return find_below(node, kind); }, node.kind);
+    found_.emplace(&node, leaf);
+    return leaf;
+  }
+
+private:
+  template <class Kind>
+  const FieldNode* find_below(const FieldNode& node, const Kind& kind) {
+    if constexpr (requires { Kind::k_is_unbounded; }) return &node;
+    if constexpr (requires { kind.child; }) return find(*kind.child);
+    const FieldNode* first = nullptr;
+    if constexpr (requires { kind.children; })
+      for (const FieldPtr& child : kind.children) {
+        const FieldNode* leaf = find(*child);
+        if (extent_of<Kind>() == ExtentOf::first_child) return leaf;
+        if (extent_of<Kind>() == ExtentOf::all_children && !leaf) return nullptr;
+        if (!first) first = leaf;
+      }
+    return first;
+  }
+
+  std::unordered_map<const FieldNode*, const FieldNode*> found_;
+};
+
+void check_ends(const Scene& scene, ProblemList& problems) {
+  EndlessLeaves endless;
+  for (const Shape& shape : scene.shapes)
+    if (const FieldNode* leaf = shape.field ? endless.find(*shape.field) : nullptr)
+      problems.add(leaf->where, fmt::format("shape {} has no end: intersect the {} with something that has one", in_quotes(shape.name),
+                                            std::visit([](const auto& kind) { return kind.k_name; }, leaf->kind)));
+}
+
 } // namespace
 
 void check_scene(const Scene& scene, const Document& document, ProblemList& problems) {
   check_frames(scene.frames, document, problems);
   check_camera(scene.camera, document, problems);
+  check_ends(scene, problems);
 }
 
 } // namespace kelpie

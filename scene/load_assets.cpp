@@ -10,8 +10,8 @@ using CloudPtr = std::shared_ptr<const BlobCloud>;
 
 class AssetLoader {
 public:
-  AssetLoader(const Document& document, ProblemList& problems, Diagnostics& diagnostics)
-      : document_(document), problems_(problems), diagnostics_(diagnostics) {}
+  AssetLoader(const Document& document, bool use_cache, ProblemList& problems, Diagnostics& diagnostics)
+      : document_(document), use_cache_(use_cache), problems_(problems), diagnostics_(diagnostics) {}
 
   void load(Blobs<AnimatedMode>& k, const JsonValue& source) { k.cloud = cloud(k.file, source, "file"); }
 
@@ -29,6 +29,17 @@ public:
       attempt(*source.find("file"),
               [&] { loaded = std::make_shared<const SurfaceMesh>(load_surface_mesh(k.file.resolved, k.crease, diagnostics_)); });
     k.mesh = loaded;
+  }
+
+  void load(SdfMesh<AnimatedMode>& k, const JsonValue& source) {
+    if (k.file.resolved.empty()) return;
+    double reach = 0; // at any time
+    for (const Key<float>& key : k.radius.keys()) reach = std::max(reach, double(key.value));
+    const auto [entry, is_new] = grids_.try_emplace({k.file.resolved, k.voxel, reach});
+    std::shared_ptr<const DistanceGrid>& loaded = entry->second;
+    if (is_new)
+      attempt(*source.find("file"), [&] { loaded = load_distance_grid(k.file.resolved, k.voxel, reach, use_cache_, diagnostics_); });
+    k.grid = loaded;
   }
 
   /// All other kinds hold nothing.
@@ -55,17 +66,19 @@ private:
   }
 
   const Document& document_;
+  bool use_cache_;
   ProblemList& problems_;
   Diagnostics& diagnostics_;
   std::map<std::string, CloudPtr> clouds_;
-  std::map<std::pair<std::string, float>, std::shared_ptr<const SurfaceMesh>> meshes_; ///< by file and crease
+  std::map<std::pair<std::string, float>, std::shared_ptr<const SurfaceMesh>> meshes_;           ///< by file and crease
+  std::map<std::tuple<std::string, double, double>, std::shared_ptr<const DistanceGrid>> grids_; ///< by file, voxel and reach
 };
 
 } // namespace
 
-void load_assets(const std::vector<ReadNode>& nodes, Scene& scene, const Document& document, ProblemList& problems,
+void load_assets(const std::vector<ReadNode>& nodes, Scene& scene, const Document& document, bool use_cache, ProblemList& problems,
                  Diagnostics& diagnostics) {
-  AssetLoader loader(document, problems, diagnostics);
+  AssetLoader loader(document, use_cache, problems, diagnostics);
   for (const ReadNode& n : nodes) std::visit([&](auto& kind) { loader.load(kind, *n.source); }, n.node->kind);
   const JsonValue* shapes = document.root.find("shapes");
   for (size_t i = 0; i < scene.shapes.size(); ++i) // as many as the document has, in its order

@@ -82,6 +82,7 @@ std::string_view field_group() {
     has_children |= std::is_same_v<T, std::vector<FieldPtr>>;
     has_file |= std::is_same_v<T, AssetPath>;
   });
+  if (SignedDistance<Kind<SampledMode>>) return "fields: signed distances";
   return has_children ? "fields: operators" : has_child ? "fields: warps" : has_file ? "fields: clouds" : "fields: skeletons";
 }
 

@@ -43,7 +43,7 @@ Scene read_scene(const std::string& path, const ReadOptions& options, Diagnostic
   check_names(document, problems);
   link_parts(reader.nodes(), scene, document, problems);
   if (problems.is_empty()) check_scene(scene, document, problems);
-  load_assets(reader.nodes(), scene, document, problems, diagnostics);
+  load_assets(reader.nodes(), scene, document, options.use_cache, problems, diagnostics);
   if (problems.is_empty()) check_size(scene, problems);
   problems.throw_if_any();
 

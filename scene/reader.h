@@ -12,6 +12,7 @@ namespace kelpie {
 struct ReadOptions {
   std::vector<std::string> set;         ///< `path=value`, applied before anything is read
   std::vector<std::string> allow_paths; ///< folders or files outside the scene's folder that it may read
+  bool use_cache = true;                ///< what is costly to make of assets is kept for the next run
 };
 
 /// Reads a scene and its assets. Throws one Error that lists every problem of the file with its position;

@@ -28,6 +28,7 @@ Kind<SampledMode> sample_kind(const Kind<AnimatedMode>& animated, double frame) 
   if constexpr (requires { sampled.cloud; }) sampled.cloud = animated.cloud;
   if constexpr (requires { sampled.morph; }) sampled.morph = animated.morph;
   if constexpr (requires { sampled.mesh; }) sampled.mesh = animated.mesh;
+  if constexpr (requires { sampled.grid; }) sampled.grid = animated.grid;
   return sampled;
 }
 

@@ -131,6 +131,9 @@ TEST(Conformance, EveryKindOfFieldIsOneTheEngineKnows) {
 
 // --- leaves ---
 
+/// Of what has no end, the part that has anything to it.
+const Box3d k_looked_at{Vec3d(-9), Vec3d(9)};
+
 /// Calls test(field, support, random) for every leaf: skeletons, and the sums of blob sources.
 template <class Test>
 void for_each_leaf(Test&& test) {
@@ -142,7 +145,8 @@ void for_each_leaf(Test&& test) {
       Random r(trial);
       if constexpr (Skeleton<K>) {
         const K kind = random_kind<Kind>(r);
-        test([&](const auto& p) { return kind.potential(p); }, Box3d{Vec3d(kind.support().lower), Vec3d(kind.support().upper)}, r);
+        const Box3d support{Vec3d(kind.support().lower), Vec3d(kind.support().upper)};
+        test([&](const auto& p) { return kind.potential(p); }, intersect(support, k_looked_at), r);
       } else if constexpr (BlobSource<K>) {
         BlobCloud cloud;
         random_kind<Kind>(r).append_blobs(cloud);
@@ -201,7 +205,7 @@ TEST(Conformance, ZeroOutsideTheSupport) {
   for_each_leaf([](const auto& field, const Box3d& support, Random& r) {
     for (int i = 0; i < 50; ++i) {
       const Vec3d p = r.in(support.padded(0.1 * support.diagonal()));
-      if (!support.contains(p)) {
+      if (!support.contains(p) && k_looked_at.contains(p)) {
         EXPECT_EQ(field(point<double>(p)), 0);
       }
     }

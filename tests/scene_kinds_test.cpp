@@ -19,6 +19,8 @@ struct Place {
 
 Place place_of(std::string_view group, const std::string& json) {
   const std::string shape = "{\"kelpie\":1,\"shapes\":[{\"name\":\"a\",";
+  if (group == "field" && json.find("sdf_plane") != json.npos) // alone it has no end
+    return {shape + R"("field":{"kind":"intersection","children":[)" + json + "," + k_point + "]}}]}", "shapes.a.field.children.0"};
   if (group == "field") return {shape + "\"field\":" + json + "}],\"parts\":{\"part\":" + k_point + "}}", "shapes.a.field"};
   if (group == "geometry") return {shape + "\"geometry\":" + json + "}]}", "shapes.a.geometry"};
   if (group == "surface") return {shape + "\"field\":" + k_point + ",\"surface\":" + json + "}]}", "shapes.a.surface"};
@@ -40,6 +42,8 @@ const T& found(const Scene& s) {
     return s.camera;
   else if constexpr (std::is_same_v<T, Film<AnimatedMode>>)
     return s.film;
+  else if constexpr (requires { T::k_is_unbounded; })
+    return std::get<T>(std::get<Intersection<AnimatedMode>>(s.shapes[0].field->kind).children[0]->kind);
   else if constexpr (std::is_constructible_v<FieldKinds::Variant<AnimatedMode>, T>)
     return std::get<T>(s.shapes[0].field->kind);
   else if constexpr (std::is_constructible_v<SurfaceKinds::Variant<AnimatedMode>, T>)

@@ -43,7 +43,15 @@ struct Makers {
     FieldKinds::for_each([&]<template <class> class Kind>() {
       using K = Kind<SampledMode>;
       if constexpr (requires(K k) { k.radius = 1.f, k.weight = 1.f; })
-        leaves.push_back([](Random& r, SampledField& field) { return add(field, random_leaf<Kind>(r)); });
+        leaves.push_back([](Random& r, SampledField& field) {
+          const unsigned leaf = add(field, random_leaf<Kind>(r));
+          if constexpr (requires { K::k_is_unbounded; }) { // it cuts something that has an end
+            Intersection<SampledMode> cut;
+            cut.children = {leaf, add(field, random_leaf<SdfBox>(r))};
+            return add(field, cut);
+          }
+          return leaf;
+        });
       else if constexpr (requires(K k) { k.child; })
         warps.push_back([](Random& r, SampledField& field, unsigned child) {
           K k = random_kind<Kind>(r);

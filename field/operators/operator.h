@@ -26,6 +26,15 @@ namespace kelpie {
 /// and differences up to the root), or its value (a blend above it).
 enum class Demand { sign, value };
 
+/// Where what an operator makes of its children may be above 0: where any of them is (said of all that do not say otherwise by
+/// `k_extent`), where all are, or where the first is.
+enum class ExtentOf { any_child, all_children, first_child };
+template <class Kind>
+constexpr ExtentOf extent_of() {
+  if constexpr (requires { Kind::k_extent; }) return Kind::k_extent;
+  return ExtentOf::any_child;
+}
+
 /// The operands of an operator, in the order in which `combine` has them: its children, then its region.
 template <class Kind>
 std::vector<unsigned> operands_of(const Kind& kind) {

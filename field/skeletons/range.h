@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/box.h"
-#include "field/falloff.h"
+#include "field/kinds.h"
 #include "field/motion.h"
 
 namespace kelpie {
@@ -25,7 +25,7 @@ struct BoxPoint {
 /// slopes say nothing that values do not.
 template <class Kind>
 Interval potential_range(const Kind& kind, const BoxPoint& at) {
-  if (std::min({at.half.x, at.half.y, at.half.z}) > kind.radius)
+  if (std::min({at.half.x, at.half.y, at.half.z}) > reach_of(kind))
     return kind.potential(Point3<Interval>{at.p.x.value, at.p.y.value, at.p.z.value});
   const Dual<Interval, 3> f = kind.potential(at.p);
   const double at_centre = kind.potential(Point3<double>{at.centre.x, at.centre.y, at.centre.z});
@@ -33,8 +33,29 @@ Interval potential_range(const Kind& kind, const BoxPoint& at) {
   return std::isfinite(reach) ? intersect(f.value, Interval{at_centre - reach, at_centre + reach}) : f.value;
 }
 
+/// The same of a signed distance.
+template <SignedDistance Kind>
+Interval distance_range(const Kind& kind, const BoxPoint& at) {
+  const Dual<Interval, 3> d = kind.signed_distance(at.p);
+  const double at_centre = kind.signed_distance(Point3<double>{at.centre.x, at.centre.y, at.centre.z});
+  const double reach = d.d[0].magnitude() * at.half.x + d.d[1].magnitude() * at.half.y + d.d[2].magnitude() * at.half.z;
+  return std::isfinite(reach) ? intersect(d.value, Interval{at_centre - reach, at_centre + reach}) : d.value;
+}
+
 inline bool reaches(const Box3& support, double pad, const Box3d& box) {
   return !intersect(Box3d{Vec3d(support.lower) - pad, Vec3d(support.upper) + pad}, box).is_empty();
+}
+
+/// Over all states interpolated between two: the distance of the middle one, which differs by no more than the surface moves.
+template <SignedDistance Kind>
+Interval moving_potential_range(const Kind& a, const Kind& b, const Box3d& box) {
+  const Kind middle = interpolated(a, b, 0.5);
+  const double moved = std::max(middle.displacement_from(a), middle.displacement_from(b));
+  const Interval d = distance_range(middle, BoxPoint(box)) + Interval{-moved, moved};
+  // Where a radius is 0 the solid's own counts, which is linear in its numbers.
+  Interval reach = hull(a.reach(), b.reach());
+  if (a.radius != b.radius) reach = hull(reach, hull(std::max(1e-6f, a.radius), std::max(1e-6f, b.radius)));
+  return middle.falloff_at(d / reach) * hull(double(a.weight), double(b.weight));
 }
 
 /// Over all states interpolated between two: that of the middle, with the largest and the smallest support, seen from as

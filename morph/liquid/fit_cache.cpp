@@ -1,12 +1,10 @@
 #include "morph/liquid/fit_cache.h"
 
-#include <cstdlib>
-#include <filesystem>
-
 #include <fmt/format.h>
 #include <xxhash.h>
 
 #include "base/atomic_file.h"
+#include "base/cache_folder.h"
 #include "base/file_bytes.h"
 #include "field/clouds/cloud_file.h"
 #include "field/files/text_cursor.h"
@@ -19,13 +17,6 @@ namespace fs = std::filesystem;
 
 /// Raise it whenever the same mesh and options yield other blobs or figures.
 constexpr int k_revision = 2;
-
-/// Empty where there is no home to keep anything in.
-fs::path cache_folder() {
-  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && fs::path(cache).is_absolute()) return fs::path(cache) / "kelpie";
-  if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".cache" / "kelpie";
-  return {};
-}
 
 std::string cache_key(const std::string& bytes, const FitOptions& options) {
   const XXH128_hash_t content = XXH3_128bits(bytes.data(), bytes.size());

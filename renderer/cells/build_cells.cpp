@@ -222,7 +222,9 @@ private:
   double skeleton_radius(uint32_t node) const {
     return std::visit(
         [](const auto& kind) -> double {
-          if constexpr (Skeleton<std::decay_t<decltype(kind)>>) {
+          if constexpr (requires { kind.feature_size(); })
+            return kind.feature_size();
+          else if constexpr (Skeleton<std::decay_t<decltype(kind)>>) {
             const Vec3 e = kind.support().extent();
             return 0.5 * std::min({e.x, e.y, e.z});
           }

@@ -92,10 +92,11 @@ Interval bound_node(const FieldProgram& program, const Code& code, const Instruc
           const K& end = program.motion ? std::get<K>(program.motion->end.field.nodes[step.node]) : kind;
           return moving_combine(kind, end, operands, threshold_range(program), step.demand);
         } else if constexpr (Skeleton<K>) {
+          const Interval unit = potential_unit(kind, threshold_range(program));
           if constexpr (MovingSkeleton<K>)
             if (program.motion && program.motion->nodes[step.node])
-              return moving_potential_range(kind, std::get<K>(program.motion->end.field.nodes[step.node]), at.box);
-          return reaches(kind.support(), 0, at.box) ? potential_range(kind, at) : 0.0;
+              return moving_potential_range(kind, std::get<K>(program.motion->end.field.nodes[step.node]), at.box) * unit;
+          return reaches(kind.support(), 0, at.box) ? potential_range(kind, at) * unit : 0.0;
         } else {
           return 0.0;
         }

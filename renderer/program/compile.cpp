@@ -1,7 +1,7 @@
 #include <array>
 #include <optional>
 
-#include "renderer/program/program.h"
+#include "renderer/program/support.h"
 
 namespace kelpie {
 
@@ -42,6 +42,7 @@ public:
     add_to_sum(static_cast<uint32_t>(first().field.nodes.size() - 1), View{0, std::vector<Affine>(moments_.size())}, Demand::sign, sum);
     finish(sum);
     for (size_t i = 1; i < moments_.size(); ++i) moments_[i].code = first().code;
+    for (FieldProgram& m : moments_) find_support(m, nullptr, m.support);
   }
 
 private:
@@ -83,7 +84,6 @@ private:
           } else if constexpr (BlobSource<K>) {
             add_blobs<K>(index, view, sum);
           } else if constexpr (Skeleton<K>) {
-            for (size_t i = 0; i < moments_.size(); ++i) extend_support(i, view, node<K>(i, index).support());
             sum.others.push_back(emit({Instruction::Kind::skeleton, index, space_of(view), 0, 0, Demand::value}));
           } else {
             const std::vector<uint32_t> children = operands_of(kind);
@@ -115,7 +115,6 @@ private:
       list.push_back(static_cast<uint32_t>(first().blobs.size()));
       for (size_t i = 0; i < moments_.size(); ++i) {
         Blob blob = clouds[i][j];
-        extend_support(i, view, support(blob));
         if (is_folded) {
           blob.centre = Vec3(view.space_from_here[i](Vec3d(blob.centre)));
           blob.radius = static_cast<float>(blob.radius * scales[i]);
@@ -185,22 +184,6 @@ private:
     if (!is_last)
       for (size_t i = 0; i < moments_.size(); ++i) moments_[i].spaces.push_back(spaces[i]);
     return static_cast<uint32_t>(first().spaces.size() - 1);
-  }
-
-  void extend_support(size_t moment, const View& view, const Box3& box) {
-    FieldProgram& out = moments_[moment];
-    Box3d image = image_of(view.space_from_here[moment], {Vec3d(box.lower), Vec3d(box.upper)});
-    for (uint32_t i = view.space; i != 0; i = out.spaces[i].parent) {
-      const Space& space = out.spaces[i];
-      if (space.warp != Space::k_no_warp)
-        std::visit(
-            [&](const auto& kind) {
-              if constexpr (Warp<std::decay_t<decltype(kind)>>) image = kind.image_of(image);
-            },
-            out.field.nodes[space.warp]);
-      image = image_of(inverse(space.local_from_parent), image);
-    }
-    out.support.extend(image);
   }
 
   std::vector<FieldProgram>& moments_;

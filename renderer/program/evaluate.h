@@ -69,7 +69,9 @@ Real evaluate_step(const FieldProgram& program, const CodeView& code, const Inst
   case Instruction::Kind::skeleton:
     return std::visit(
         [&](const auto& kind) {
-          if constexpr (Skeleton<std::decay_t<decltype(kind)>>) return kind.potential(local);
+          using K = std::decay_t<decltype(kind)>;
+          if constexpr (SignedDistance<K>) return kind.potential(local) * potential_unit(kind, program.threshold);
+          if constexpr (Skeleton<K>) return kind.potential(local);
           return Real(0.0);
         },
         program.field.nodes[step.node]);

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "field/motion.h"
+#include "renderer/program/support.h"
 
 namespace kelpie {
 
@@ -15,10 +16,6 @@ using Node = FieldKinds::Variant<SampledMode>;
 template <class Visit>
 auto visit_both(const Node& a, const Node& b, Visit&& visit) {
   return std::visit([&](const auto& kind) { return visit(kind, std::get<std::decay_t<decltype(kind)>>(b)); }, a);
-}
-
-Affine interpolate(const Affine& a, const Affine& b, double u) {
-  return {a.linear + (b.linear - a.linear) * u, a.offset + (b.offset - a.offset) * u};
 }
 
 void interpolate(const Node& a, const Node& b, double u, Node& out) {
@@ -40,76 +37,6 @@ bool is_same(const Space& a, const Space& b) {
 
 bool is_same(const BlobArrays& a, const BlobArrays& b) {
   return a.x == b.x && a.y == b.y && a.z == b.z && a.k == b.k && a.a == b.a && a.b == b.b;
-}
-
-/// How far a moving warp may take points of a box from where its middle state takes them.
-template <class Kind>
-double displacement(const Kind& middle, const Kind& a, const Kind& b, const Box3d& box) {
-  if constexpr (MovingWarp<Kind>)
-    if (!is_same(a, b)) return std::max(middle.displacement_from(a, box), middle.displacement_from(b, box));
-  return 0;
-}
-
-/// Whatever an interpolated map takes into `box`; false if one may have no inverse. With M the linear part in the middle, half
-/// its change E M and p = c + r: p = M^-1 (q - offset) - s E p, |s| <= 1, so |r| <= (|q'| + |E c|) / (1 - |E|).
-bool preimage(const Affine& a, const Affine& b, Box3d& box) {
-  const Affine middle = inverse(interpolate(a, b, 0.5));
-  const Mat3d e = middle.linear * (b.linear - a.linear) * 0.5;
-  const double norm = std::sqrt(glm::dot(e[0], e[0]) + glm::dot(e[1], e[1]) + glm::dot(e[2], e[2]));
-  if (!(norm < 0.9)) return false;
-  box = image_of(middle, box);
-  const Vec3d shift = glm::abs(middle.linear * (b.offset - a.offset)) * 0.5;
-  box.lower -= shift, box.upper += shift;
-  if (norm == 0) return true;
-  const Vec3d c = box.centre();
-  const double reach = (0.5 * box.diagonal() + glm::length(e * c)) / (1 - norm);
-  box = {c - reach, c + reach};
-  return true;
-}
-
-/// Grows the support of a moving program by a box of a space, at all times.
-bool extend_support(FieldProgram& program, const Motion& motion, uint32_t space, Box3d box) {
-  for (uint32_t i = space; i != 0; i = program.spaces[i].parent) {
-    const Space &a = program.spaces[i], &b = motion.end.spaces[i];
-    if (a.warp != Space::k_no_warp)
-      std::visit(
-          [&](const auto& middle) {
-            using K = std::decay_t<decltype(middle)>;
-            if constexpr (Warp<K>)
-              box = middle.image_of(box).padded(
-                  displacement(middle, std::get<K>(program.field.nodes[a.warp]), std::get<K>(motion.end.field.nodes[a.warp]), box));
-          },
-          motion.middle.nodes[a.warp]);
-    if (!preimage(a.local_from_parent, b.local_from_parent, box)) return false;
-  }
-  program.support.extend(box);
-  return true;
-}
-
-bool extend_support(FieldProgram& program, const Motion& motion, const Instruction& step) {
-  if (step.kind == Instruction::Kind::blobs) {
-    Box3d box;
-    for (uint32_t j = 0; j < step.count; ++j)
-      for (const BlobArrays* s : std::initializer_list<const BlobArrays*>{&program.blobs, &motion.end.blobs}) {
-        const uint32_t i = program.code.blobs[step.first + j];
-        const Vec3d centre(s->x[i], s->y[i], s->z[i]), radius(s->radius[i] * (1 + 1e-6));
-        box.extend(Box3d{centre - radius, centre + radius});
-      }
-    return step.count == 0 || extend_support(program, motion, step.space, box);
-  }
-  if (step.kind != Instruction::Kind::skeleton) return true;
-  const Box3d box =
-      visit_both(program.field.nodes[step.node], motion.end.field.nodes[step.node], [](const auto& a, const auto& b) -> Box3d {
-        using K = std::decay_t<decltype(a)>;
-        Box3d around;
-        if constexpr (Skeleton<K>) {
-          const Box3 support = a.support();
-          around = {Vec3d(support.lower), Vec3d(support.upper)};
-        }
-        if constexpr (MovingSkeleton<K>) around = around.padded(a.displacement_from(b) + std::abs(double(a.radius) - double(b.radius)));
-        return around;
-      });
-  return extend_support(program, motion, step.space, box);
 }
 
 /// What cannot say how far it moves stands in the middle of its way.
@@ -150,13 +77,7 @@ bool set_in_motion(FieldProgram& start, FieldProgram end) {
   const BlobArrays &s = start.blobs, &e = end.blobs;
   motion->blobs_change = s.k != e.k || s.a != e.a || s.b != e.b || s.radius != e.radius;
   motion->end = std::move(end);
-  const Box3d standing = start.support;
-  start.support = {};
-  for (const Instruction& step : start.code.steps)
-    if (!extend_support(start, *motion, step)) {
-      start.support = standing;
-      return false;
-    }
+  if (!find_support(start, motion.get(), start.support)) return false;
   start.motion = std::move(motion);
   return true;
 }
@@ -262,12 +183,12 @@ private:
   template <class Kind>
   void compare(const Instruction& step, const Kind& p, const Kind& q) {
     if constexpr (Skeleton<Kind>) {
-      const double radius = std::min(p.radius, q.radius);
+      const double radius = std::min(reach_of(p), reach_of(q));
       if constexpr (MovingSkeleton<Kind>)
         places_.push_back(p.displacement_from(q) / radius);
       else
         most_ = std::max(most_, is_same(p, q) ? 0.0 : 1.0);
-      rest(p.radius, q.radius), rest(p.weight, q.weight);
+      rest(reach_of(p), reach_of(q)), rest(p.weight, q.weight);
       const Box3 support = p.support();
       compare_spaces(step.space, {Vec3d(support.lower), Vec3d(support.upper)}, radius);
     } else {

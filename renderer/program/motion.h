@@ -3,6 +3,7 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
+#include "field/motion.h"
 #include "renderer/program/evaluate.h"
 
 namespace kelpie {
@@ -28,6 +29,18 @@ const FieldProgram& at(const FieldProgram&, const CodeView&, double u);
 
 /// Around the image of a box of the world in a space, at all times.
 Box3d image_in_space(const FieldProgram&, uint32_t space, const Box3d&);
+
+inline Affine interpolate(const Affine& a, const Affine& b, double u) {
+  return {a.linear + (b.linear - a.linear) * u, a.offset + (b.offset - a.offset) * u};
+}
+
+/// How far a moving warp may take points of a box from where its middle state takes them.
+template <class Kind>
+double displacement(const Kind& middle, const Kind& a, const Kind& b, const Box3d& box) {
+  if constexpr (MovingWarp<Kind>)
+    if (!is_same(a, b)) return std::max(middle.displacement_from(a, box), middle.displacement_from(b, box));
+  return 0;
+}
 
 inline Interval threshold_range(const FieldProgram& p) {
   return p.motion ? hull(p.threshold, p.motion->end.threshold) : Interval{p.threshold};

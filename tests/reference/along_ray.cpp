@@ -35,6 +35,7 @@ struct Bump {
     case Falloff::quartic: return square_times_linear(q, weight, 0);
     case Falloff::cubic: return square_times_linear(q, 0, weight);
     case Falloff::wyvill: return square_times_linear(q, weight * 5 / 9, weight * 4 / 9);
+    case Falloff::distance: break; // of no segment
     }
     return {};
   }

@@ -10,6 +10,7 @@ namespace {
 double falloff(Falloff f, double u) {
   if (u >= 1) return 0;
   switch (f) {
+  case Falloff::distance: break; // not of u
   case Falloff::quartic: return (1 - u) * (1 - u);
   case Falloff::cubic: return (1 - u) * (1 - u) * (1 - u);
   case Falloff::wyvill: return 1 - 22 * u / 9 + 17 * u * u / 9 - 4 * u * u * u / 9;
@@ -127,10 +128,53 @@ double distance_to_hull(const std::vector<Vec>& v, Vec p) {
   return nearest;
 }
 
-double value(const Leaf& leaf, Vec p) {
+/// Where p is on three axes of a box.
+Vec on_axes(const Leaf& leaf, Vec p) {
+  const Vec n = leaf.normal * (1 / length(leaf.normal)), side = leaf.towards - n * dot(leaf.towards, n), t = side * (1 / length(side));
+  const Vec q = p - leaf.a, rest = q - n * dot(q, n) - t * dot(q, t);
+  return {std::abs(dot(q, t)), std::abs(dot(q, n)), length(rest)};
+}
+
+/// The nearest face from inside, the nearest point of all faces from outside.
+double signed_distance_to_block(const Leaf& leaf, Vec p) {
+  const Vec q = on_axes(leaf, p) - (leaf.size * 0.5 - Vec{leaf.r, leaf.r, leaf.r});
+  const double inside = std::max({q.x, q.y, q.z});
+  return (inside <= 0 ? inside : length({std::max(0.0, q.x), std::max(0.0, q.y), std::max(0.0, q.z)})) - leaf.r;
+}
+double signed_distance_to_rod(const Leaf& leaf, Vec p) {
+  const AroundAxis q(leaf, p);
+  const double out = q.out - leaf.r, above = std::max(-q.along, q.along - q.length);
+  return std::max(out, above) <= 0 ? std::max(out, above) : std::hypot(std::max(0.0, out), std::max(0.0, above));
+}
+
+/// Linear along each axis.
+double interpolated(const Leaf& leaf, Vec p) {
+  const Table& table = *leaf.table;
+  const Vec q = (p - leaf.a) * (1 / table.step);
+  const double u[] = {q.x, q.y, q.z};
+  int cell[3];
+  for (int i = 0; i < 3; ++i) {
+    if (!(u[i] >= 0 && u[i] <= table.count[i] - 1)) return table.values[0];
+    cell[i] = std::min(int(std::floor(u[i])), table.count[i] - 2);
+  }
+  double sum = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    double weight = 1;
+    int at[3];
+    for (int i = 0; i < 3; ++i) {
+      const bool is_upper = corner >> i & 1;
+      at[i] = cell[i] + is_upper, weight *= is_upper ? u[i] - cell[i] : 1 - (u[i] - cell[i]);
+    }
+    sum += weight * table.values[size_t((at[2] * table.count[1] + at[1]) * table.count[0] + at[0])];
+  }
+  return sum;
+}
+
+double value(const Leaf& leaf, Vec p, double threshold) {
   if (!may_be_within(leaf, p, leaf.radius)) return 0;
   const double d = distance(leaf, p);
-  return leaf.weight * falloff(leaf.falloff, d * d / (leaf.radius * leaf.radius));
+  if (leaf.falloff == Falloff::distance) return leaf.weight * threshold * std::clamp(1 - d / leaf.radius, 0.0, 2.0);
+  return leaf.weight * falloff(leaf.falloff, std::max(0.0, d) * std::max(0.0, d) / (leaf.radius * leaf.radius));
 }
 
 } // namespace
@@ -146,6 +190,12 @@ double distance(const Leaf& leaf, Vec p) {
   case Leaf::Shape::wall: return distance_to_wall(leaf, p);
   case Leaf::Shape::box: return distance_to_box(leaf, p);
   case Leaf::Shape::hull: return distance_to_hull(leaf.points, p);
+  case Leaf::Shape::capsule: return distance_to_segment(leaf.a, leaf.b, p) - leaf.r;
+  case Leaf::Shape::ring: return distance_to_circle(leaf, p, false) - leaf.s;
+  case Leaf::Shape::block: return signed_distance_to_block(leaf, p);
+  case Leaf::Shape::rod: return signed_distance_to_rod(leaf, p);
+  case Leaf::Shape::table: return interpolated(leaf, p);
+  case Leaf::Shape::below: return dot(p - leaf.a, leaf.normal) / length(leaf.normal);
   }
   return 0;
 }
@@ -229,7 +279,7 @@ double value(const Node& node, Vec p, double threshold) {
   if (node.kind == Kind::warp) return value(*node.children[0], node.child_from_parent.point(p), threshold);
   if (node.kind == Kind::leaves) {
     double sum = 0;
-    for (const Leaf& leaf : node.leaves) sum += value(leaf, p);
+    for (const Leaf& leaf : node.leaves) sum += value(leaf, p, threshold);
     return sum;
   }
   std::vector<double> f;

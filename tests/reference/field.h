@@ -1,6 +1,7 @@
 // The fields that the reference knows, straight from the formulas (methods.md, sections 1 and 2).
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -8,7 +9,19 @@
 
 namespace reference {
 
-enum class Falloff { quartic, cubic, wyvill };
+enum class Falloff {
+  quartic,
+  cubic,
+  wyvill,
+  distance ///< linear, in thresholds, from 2 inside the solid to 0 outside
+};
+
+/// Values at the places of a lattice: x, then y, then z.
+struct Table {
+  double step = 1;
+  std::array<int, 3> count{};
+  std::vector<double> values;
+};
 
 /// weight * falloff(d^2 / radius^2), d the distance to a solid.
 struct Leaf {
@@ -22,6 +35,13 @@ struct Leaf {
     wall,        ///< the same of circles, thickened across the line from one to the other by r_thickness to s_thickness
     box,         ///< around a, of edges `size` along `towards`, along `normal`, and across both
     hull,        ///< the convex hull of `points`; a is one of them
+    // Signed distances, negative inside:
+    capsule, ///< all within r of the segment from a to b
+    ring,    ///< all within s of the circle of radius r around a, perpendicular to `normal`
+    block,   ///< the box, less than `size` by r on all sides, and all within r of it
+    rod,     ///< the cylinder of radius r from a to b
+    below,   ///< all that lies below the plane through a, perpendicular to `normal`
+    table,   ///< interpolated in `table`, a is its first place; beyond it, as far as its first value
   };
   Vec a, b;
   double radius = 1, weight = 1;
@@ -34,9 +54,10 @@ struct Leaf {
   double r_thickness = 0, s_thickness = 0;
   Vec size{};
   std::vector<Vec> points{};
+  std::shared_ptr<const Table> table{};
 };
 
-/// The distance from p to the solid of a leaf; 0 inside.
+/// The distance from p to the solid of a leaf; 0 inside, or as its shape says.
 double distance(const Leaf&, Vec p);
 
 /// Whether that is less than `reach`, or may be.

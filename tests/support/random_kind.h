@@ -46,6 +46,22 @@ inline BlobCloud random_cloud(Random& r, int count, double lowest_weight) {
   return cloud;
 }
 
+/// Of a few lumpy solids.
+inline std::shared_ptr<const DistanceGrid> random_distance_grid(Random& r) {
+  static const std::array<std::shared_ptr<const DistanceGrid>, 3> k_grids = [] {
+    std::array<std::shared_ptr<const DistanceGrid>, 3> grids;
+    for (size_t i = 0; i < grids.size(); ++i) {
+      const double lump = 0.06 * double(i), voxel = 0.07 + 0.03 * double(i);
+      const auto distance = [=](const Vec3d& p, double) {
+        return glm::length(p - 0.1) - 0.5 + lump * std::sin(9 * p.x) * std::cos(8 * p.y + 5 * p.z);
+      };
+      grids[i] = std::make_shared<const DistanceGrid>(Box3d{Vec3d(-0.8), Vec3d(0.9)}, voxel, 0.25, distance);
+    }
+    return grids;
+  }();
+  return k_grids[size_t(r.below(int(k_grids.size())))];
+}
+
 /// Draws one parameter. Files, names and children are left as they are.
 template <class T>
 void randomise(T& member, const ParameterRules& rules, Random& r) {
@@ -70,6 +86,7 @@ template <template <class> class Kind>
 Kind<SampledMode> random_kind(Random& r) {
   Kind<SampledMode> kind;
   std::apply([&](const auto&... row) { (randomise(kind.*(row.member), row, r), ...); }, Kind<SampledMode>::parameters());
+  if constexpr (requires { kind.grid; }) kind.grid = random_distance_grid(r);
   if constexpr (requires { kind.cloud; }) kind.cloud = std::make_shared<const BlobCloud>(random_cloud(r, 1 + r.below(9), -1));
   if constexpr (requires { kind.morph; })
     kind.morph = std::make_shared<const LiquidMorph>(random_cloud(r, 1 + r.below(9), 0.5), random_cloud(r, 1 + r.below(9), 0.5),

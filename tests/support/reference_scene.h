@@ -2,6 +2,8 @@
 // computes from them is used.
 #pragma once
 
+#include <map>
+
 #include <gtest/gtest.h>
 
 #include "scene/field_node.h"
@@ -119,6 +121,77 @@ inline reference::Leaf reference_of(const Prism<SampledMode>& k) {
   reference::Leaf leaf = reference_hull(k, {k.a, k.b, k.c});
   const reference::Vec n = reference_normal(k), half = n * (0.5 * k.thickness / length(n));
   for (int i = 0; i < 3; ++i) leaf.points.push_back(leaf.points[i] - half), leaf.points[i] = leaf.points[i] + half;
+  return leaf;
+}
+
+template <class Kind>
+reference::Leaf reference_distance(const Kind& k, reference::Leaf::Shape shape, const Vec3& a, const Vec3& b, double thickness) {
+  reference::Leaf leaf{.a = reference_of(a),
+                       .b = reference_of(b),
+                       .radius = k.radius > 0 ? double(k.radius) : thickness,
+                       .weight = k.weight,
+                       .shape = shape};
+  leaf.falloff = k.falloff == DistanceFalloff::distance  ? reference::Falloff::distance
+                 : k.falloff == DistanceFalloff::quartic ? reference::Falloff::quartic
+                 : k.falloff == DistanceFalloff::cubic   ? reference::Falloff::cubic
+                                                         : reference::Falloff::wyvill;
+  return leaf;
+}
+inline reference::Leaf reference_of(const SdfSphere<SampledMode>& k) {
+  reference::Leaf leaf = reference_distance(k, reference::Leaf::Shape::capsule, k.centre, k.centre, k.sphere_radius);
+  leaf.r = k.sphere_radius;
+  return leaf;
+}
+inline reference::Leaf reference_of(const SdfCapsule<SampledMode>& k) {
+  reference::Leaf leaf = reference_distance(k, reference::Leaf::Shape::capsule, k.from, k.to, k.capsule_radius);
+  leaf.r = k.capsule_radius;
+  return leaf;
+}
+inline reference::Leaf reference_of(const SdfTorus<SampledMode>& k) {
+  reference::Leaf leaf = reference_distance(k, reference::Leaf::Shape::ring, k.centre, k.centre, k.minor_radius);
+  leaf.r = k.major_radius, leaf.s = k.minor_radius, leaf.normal = reference_of(k.normal);
+  return leaf;
+}
+inline reference::Leaf reference_of(const SdfBox<SampledMode>& k) {
+  const double half = 0.5 * std::min({k.size.x, k.size.y, k.size.z});
+  reference::Leaf leaf = reference_distance(k, reference::Leaf::Shape::block, k.centre, k.centre, half);
+  leaf.normal = reference_of(k.axis), leaf.towards = reference_of(k.across), leaf.size = reference_of(k.size);
+  leaf.r = std::min(double(k.rounding), half);
+  return leaf;
+}
+inline reference::Leaf reference_of(const SdfCylinder<SampledMode>& k) {
+  const double half = 0.5 * glm::distance(Vec3d(k.from), Vec3d(k.to));
+  reference::Leaf leaf = reference_distance(k, reference::Leaf::Shape::rod, k.from, k.to, std::min(half, double(k.cylinder_radius)));
+  leaf.r = k.cylinder_radius;
+  return leaf;
+}
+inline reference::Leaf reference_of(const SdfPlane<SampledMode>& k) {
+  reference::Leaf leaf = reference_distance(k, reference::Leaf::Shape::below, k.point, k.point, 1);
+  leaf.normal = reference_of(k.normal);
+  return leaf;
+}
+
+/// The samples are the grid's; what is between them is the reference's.
+inline reference::Leaf reference_of(const SdfMesh<SampledMode>& k) {
+  static std::map<std::shared_ptr<const DistanceGrid>, std::shared_ptr<const reference::Table>> tables;
+  std::shared_ptr<const reference::Table>& table = tables[k.grid];
+  const Box3d& box = k.grid->box();
+  if (!table) {
+    auto made = std::make_shared<reference::Table>();
+    made->step = k.grid->voxel();
+    for (int i = 0; i < 3; ++i) made->count[size_t(i)] = int(std::lround(box.extent()[i] / made->step)) + 1;
+    for (int z = 0; z < made->count[2]; ++z)
+      for (int y = 0; y < made->count[1]; ++y)
+        for (int x = 0; x < made->count[0]; ++x) {
+          const Vec3d p = box.lower + made->step * Vec3d(x, y, z);
+          made->values.push_back(k.grid->at(Point3<double>{p.x, p.y, p.z}).value);
+        }
+    table = made;
+  }
+  const float reach = k.radius > 0 ? std::min(k.radius, float(k.grid->band())) : float(k.grid->band());
+  reference::Leaf leaf = reference_distance(k, reference::Leaf::Shape::table, Vec3(0), Vec3(0), reach);
+  leaf.a = {box.lower.x, box.lower.y, box.lower.z}, leaf.b = leaf.a, leaf.radius = std::min(leaf.radius, k.grid->band()),
+  leaf.table = table;
   return leaf;
 }
 

@@ -16,6 +16,7 @@ public:
     std::string pattern = (std::filesystem::temp_directory_path() / "kelpie-scene-XXXXXX").string();
     if (!mkdtemp(pattern.data())) throw std::runtime_error("no temporary folder");
     path_ = std::filesystem::canonical(pattern);
+    setenv("XDG_CACHE_HOME", path("cache").c_str(), 1); // what is cached goes with it
     write("cloud.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
                        "property float radius\nproperty float weight\nend_header\n0 1 0 2 1.5\n");
     write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");

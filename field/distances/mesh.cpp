@@ -1,0 +1,75 @@
+#include "field/distances/mesh.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include "base/atomic_file.h"
+#include "base/cache_folder.h"
+#include "base/file_bytes.h"
+#include "field/mesh/triangle_tree.h"
+
+namespace kelpie {
+
+namespace {
+
+constexpr double k_default_voxels = 128, k_most_voxels = 1024, k_band_voxels = 4;
+
+/// Raise it whenever the same mesh yields other distances.
+constexpr int k_revision = 1;
+
+std::string cache_key(const std::string& bytes, double voxel, double band) {
+  const XXH128_hash_t content = XXH3_128bits(bytes.data(), bytes.size());
+  const std::string all = fmt::format("{:016x}{:016x} {} {} {} {}", content.high64, content.low64, voxel, band, k_revision, KELPIE_VERSION);
+  const XXH128_hash_t key = XXH3_128bits(all.data(), all.size());
+  return fmt::format("distance-{:016x}{:016x}", key.high64, key.low64);
+}
+
+} // namespace
+
+DistanceGrid make_distance_grid(const Mesh& mesh, double voxel, double band) {
+  const TriangleTree tree(mesh);
+  const auto distance = [&](const Vec3d& place, double most) {
+    const Vec3d p = place - mesh.origin;
+    // From 1 outside to -1 inside; near a triangle it jumps, across a hole it passes through 0 where the mesh winds by a half.
+    const double side = std::clamp(2 * (1 - 2 * tree.winding(p)), -1.0, 1.0);
+    return tree.distance(p, most) * side;
+  };
+  const Box3d box = bounding_box(mesh);
+  return {Box3d{box.lower + mesh.origin, box.upper + mesh.origin}.padded(band), voxel, band, distance};
+}
+
+std::shared_ptr<const DistanceGrid> load_distance_grid(const std::string& path, double voxel, double reach, bool use_cache,
+                                                       Diagnostics& diagnostics) {
+  const std::string bytes = read_file_bytes(path);
+  const Mesh mesh = parse_mesh(bytes, path, diagnostics); // its warnings are due every time
+  const Vec3d extent = bounding_box(mesh).extent();
+  const double longest = std::max({extent.x, extent.y, extent.z});
+  if (!(voxel > 0)) voxel = longest / k_default_voxels;
+  const double band = std::max(reach, k_band_voxels * voxel), along = (longest + 2 * band) / voxel;
+  if (!(along <= k_most_voxels))
+    throw Error(ExitStatus::bad_data, fmt::format("{}: {:.0f} voxels along the mesh are too many (at most {:.0f}): "
+                                                  "take a larger voxel or a smaller radius",
+                                                  path, along, k_most_voxels));
+  const std::filesystem::path folder = use_cache ? cache_folder() : std::filesystem::path();
+  const std::filesystem::path file = folder.empty() ? folder : folder / cache_key(bytes, voxel, band);
+  if (!file.empty()) {
+    try {
+      if (auto cached = DistanceGrid::from_bytes(read_file_bytes(file.string())))
+        return std::make_shared<const DistanceGrid>(std::move(*cached));
+    } catch (const Error&) { // not there: made anew
+    }
+  }
+  auto grid = std::make_shared<const DistanceGrid>(make_distance_grid(mesh, voxel, band));
+  if (!file.empty()) {
+    try {
+      std::error_code failed;
+      std::filesystem::create_directories(folder, failed);
+      write_file_atomically(file.string(), as_bytes(grid->to_bytes()));
+    } catch (const Error& e) {
+      diagnostics.warning({}, fmt::format("the distances of {} are not cached: {}", path, e.what()));
+    }
+  }
+  return grid;
+}
+
+} // namespace kelpie

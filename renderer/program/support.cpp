@@ -1,0 +1,112 @@
+#include "renderer/program/support.h"
+
+namespace kelpie {
+
+namespace {
+
+/// Whatever an interpolated map takes into `box`; false if one may have no inverse. With M the linear part in the middle, half
+/// its change E M and p = c + r: p = M^-1 (q - offset) - s E p, |s| <= 1, so |r| <= (|q'| + |E c|) / (1 - |E|).
+bool preimage(const Affine& a, const Affine& b, Box3d& box) {
+  const Affine middle = inverse(interpolate(a, b, 0.5));
+  const Mat3d e = middle.linear * (b.linear - a.linear) * 0.5;
+  const double norm = std::sqrt(glm::dot(e[0], e[0]) + glm::dot(e[1], e[1]) + glm::dot(e[2], e[2]));
+  if (!(norm < 0.9)) return false;
+  box = image_of(middle, box);
+  const Vec3d shift = glm::abs(middle.linear * (b.offset - a.offset)) * 0.5;
+  box.lower -= shift, box.upper += shift;
+  if (norm == 0) return true;
+  const Vec3d c = box.centre();
+  const double reach = (0.5 * box.diagonal() + glm::length(e * c)) / (1 - norm);
+  box = {c - reach, c + reach};
+  return true;
+}
+
+class SupportFinder {
+public:
+  SupportFinder(const FieldProgram& program, const Motion* motion)
+      : program_(program), end_(motion ? motion->end : program), middle_(motion ? motion->middle : program.field) {}
+
+  bool run(Box3d& out) {
+    for (const Instruction& step : program_.code.steps) {
+      Box3d box = step.kind == Instruction::Kind::blobs ? around_blobs(step) : around_node(step);
+      if (step.kind != Instruction::Kind::combine && !box.is_empty() && !to_world(step.space, box)) return false;
+      boxes_.push_back(box);
+    }
+    out = boxes_.back();
+    return true;
+  }
+
+private:
+  Box3d around_blobs(const Instruction& step) const {
+    Box3d box;
+    for (uint32_t j = 0; j < step.count; ++j)
+      for (const BlobArrays* s : {&program_.blobs, &end_.blobs}) {
+        const uint32_t i = program_.code.blobs[step.first + j];
+        const Vec3d centre(s->x[i], s->y[i], s->z[i]), radius(s->radius[i] * (1 + 1e-6));
+        box.extend(Box3d{centre - radius, centre + radius});
+      }
+    return box;
+  }
+
+  /// Around a skeleton in its space; around what an operator makes, in the world.
+  Box3d around_node(const Instruction& step) const {
+    return std::visit(
+        [&](const auto& a) -> Box3d {
+          using K = std::decay_t<decltype(a)>;
+          if constexpr (Skeleton<K>) {
+            const Box3 support = a.support();
+            Box3d box{Vec3d(support.lower), Vec3d(support.upper)};
+            if constexpr (MovingSkeleton<K>) {
+              const K& b = std::get<K>(end_.field.nodes[step.node]);
+              box = box.padded(a.displacement_from(b) + std::abs(reach_of(a) - reach_of(b)));
+            }
+            return box;
+          } else if constexpr (Operator<K>) {
+            size_t count = step.count;
+            if constexpr (requires { a.region; }) count -= count > 1; // it only mixes what its children yield
+            return joined(extent_of<K>(), step.first, count);
+          }
+          return {};
+        },
+        program_.field.nodes[step.node]);
+  }
+
+  Box3d joined(ExtentOf extent, uint32_t first, size_t count) const {
+    const auto operand = [&](size_t i) { return boxes_[program_.code.operands[first + i]]; };
+    Box3d box = operand(0);
+    if (extent == ExtentOf::first_child) return box;
+    for (size_t i = 1; i < count; ++i)
+      if (extent == ExtentOf::all_children)
+        box = intersect(box, operand(i));
+      else
+        box.extend(operand(i));
+    return box.is_empty() ? Box3d{} : box;
+  }
+
+  bool to_world(uint32_t space, Box3d& box) const {
+    for (uint32_t i = space; i != 0; i = program_.spaces[i].parent) {
+      const Space &a = program_.spaces[i], &b = end_.spaces[i];
+      if (a.warp != Space::k_no_warp)
+        std::visit(
+            [&](const auto& middle) {
+              using K = std::decay_t<decltype(middle)>;
+              if constexpr (Warp<K>)
+                box = middle.image_of(box).padded(
+                    displacement(middle, std::get<K>(program_.field.nodes[a.warp]), std::get<K>(end_.field.nodes[a.warp]), box));
+            },
+            middle_.nodes[a.warp]);
+      if (!preimage(a.local_from_parent, b.local_from_parent, box)) return false;
+    }
+    return true;
+  }
+
+  const FieldProgram &program_, &end_;
+  const SampledField& middle_;
+  std::vector<Box3d> boxes_; ///< of the steps so far, in the world
+};
+
+} // namespace
+
+bool find_support(const FieldProgram& program, const Motion* motion, Box3d& out) { return SupportFinder(program, motion).run(out); }
+
+} // namespace kelpie
