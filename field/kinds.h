@@ -20,6 +20,7 @@
 #include "field/skeletons/hollow_cone.h"
 #include "field/skeletons/point.h"
 #include "field/skeletons/polyhedron.h"
+#include "field/skeletons/potential.h"
 #include "field/skeletons/prism.h"
 #include "field/skeletons/rectangle.h"
 #include "field/skeletons/segment.h"
@@ -74,27 +75,21 @@ template <class K>
 concept BlobSource = requires(const K k, BlobCloud out) {
   k.append_blobs(out);
 };
-/// A leaf: `Box3 support()`, and `Real potential(Point3<Real>)` for double, Interval and Dual.
+/// A leaf: `Box3 support()`, and `solid()`, to which squared_distance(solid, Point3<Real>) is exact for double, Interval and
+/// Dual. The potential is weight * falloff(d^2 / radius^2) (field/skeletons/potential.h).
 template <class K>
 concept Skeleton = requires(const K k, Point3<double> p, Point3<Interval> b) {
   k.support();
-  k.potential(p);
-  k.potential(b);
+  squared_distance(k.solid(), p);
+  squared_distance(k.solid(), b);
+  k.radius, k.weight, k.falloff;
 };
 /// A skeleton that can be followed while it changes: `double displacement_from(other)` is how far its solid moves between
 /// two states, and any two states whose numbers are interpolated linearly between theirs (the Hausdorff distance; a bound
-/// will do). The potential is weight * falloff(d^2 / radius^2), d the distance to the solid. Others stand in a slab of time.
+/// will do). Others stand in a slab of time.
 template <class K>
 concept MovingSkeleton = Skeleton<K> && requires(const K k) {
   k.displacement_from(k);
-  k.radius, k.weight, k.falloff;
-};
-/// A skeleton whose potential is weight * falloff(d^2/radius^2) of the distance to a cone-sphere:
-/// `ConeSphereSolid solid()`.
-template <class K>
-concept ConeSphereSkeleton = Skeleton<K> && requires(const K k) {
-  { k.solid() } -> std::same_as<ConeSphereSolid>;
-  k.radius, k.weight, k.falloff;
 };
 /// Joins the values of its children.
 template <class K>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "field/falloff.h"
-#include "field/skeletons/solid_of_revolution.h"
+#include "field/skeletons/section_solid.h"
 
 namespace kelpie {
 
@@ -54,8 +54,7 @@ Source: methods.md section 2, skeletons (surfaces of revolution with thickness).
     return frustum_support(from, from_radius, to, to_radius, double(radius) + 0.5 * std::max(double(from_thickness), double(to_thickness)));
   }
 
-  template <class Real>
-  Real potential(const Point3<Real>& p) const {
+  SectionSolid solid() const {
     const Vec3d axis = Vec3d(to) - Vec3d(from);
     const Vec2d begin(from_radius, 0), end(to_radius, glm::length(axis)), along = end - begin;
     const double length = glm::length(along);
@@ -63,8 +62,7 @@ Source: methods.md section 2, skeletons (surfaces of revolution with thickness).
     ConvexPolygon wall;
     wall.push(begin + across * (0.5 * double(from_thickness))), wall.push(end + across * (0.5 * double(to_thickness)));
     wall.push(end - across * (0.5 * double(to_thickness))), wall.push(begin - across * (0.5 * double(from_thickness)));
-    const Real d = distance_to_revolved(AxisFrame{Vec3d(from), axis}, wall.above(0), p);
-    return double(weight) * kelpie::falloff(falloff, square(d) * (1 / square(double(radius))));
+    return SectionSolid::turned({Vec3d(from), axis}).with_polygon(wall.above(0), false);
   }
 };
 

@@ -37,11 +37,7 @@ Source: methods.md section 2, skeletons.)";
 
   Box3 support() const { return support_of_hull(points, radius); }
 
-  template <class Real>
-  Real potential(const Point3<Real>& p) const {
-    const Real d2 = squared_distance_to_hull(points, p);
-    return double(weight) * kelpie::falloff(falloff, d2 * (1 / square(double(radius))));
-  }
+  HullSolid<std::span<const Vec3>> solid() const { return {points}; }
 };
 
 } // namespace kelpie

@@ -83,7 +83,12 @@ private:
           } else if constexpr (BlobSource<K>) {
             add_blobs<K>(index, view, sum);
           } else if constexpr (Skeleton<K>) {
-            for (size_t i = 0; i < moments_.size(); ++i) extend_support(i, view, node<K>(i, index).support());
+            for (size_t i = 0; i < moments_.size(); ++i) {
+              const K& skeleton = node<K>(i, index);
+              extend_support(i, view, skeleton.support());
+              if constexpr (std::is_same_v<K, Polyhedron<SampledMode>>)
+                if (skeleton.points.size() <= k_most_hull_points) moments_[i].hulls.emplace(index, hull_faces(skeleton.points));
+            }
             sum.others.push_back(emit({Instruction::Kind::skeleton, index, space_of(view), 0, 0, Demand::value}));
           } else {
             const std::vector<uint32_t> children = operands_of(kind);

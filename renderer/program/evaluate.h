@@ -69,7 +69,7 @@ Real evaluate_step(const FieldProgram& program, const CodeView& code, const Inst
   case Instruction::Kind::skeleton:
     return std::visit(
         [&](const auto& kind) {
-          if constexpr (Skeleton<std::decay_t<decltype(kind)>>) return kind.potential(local);
+          if constexpr (Skeleton<std::decay_t<decltype(kind)>>) return potential(kind, local);
           return Real(0.0);
         },
         program.field.nodes[step.node]);

@@ -1,8 +1,8 @@
-// The solver for trees of cone-spheres. Along a ray the distance to a convex solid is convex, so its tangent at
-// the middle of a stretch bounds it from below over the stretch, and the larger of its ends from above. With
-// these every leaf, and by the operators (each monotone in each operand) the field, has a bound over a stretch
-// that misses the field by the square of the stretch's length. 16 stretches are bounded at once in SIMD lanes.
-// A stretch that the bound does not clear is looked into 16 times finer. Nothing is missed, nothing is guessed.
+// The solver for trees. Along a ray the distance to a convex solid is convex, so its tangent at
+// the middle of a stretch bounds it from below over the stretch, and the larger of its ends from above (solids that
+// are not convex: solid_leaf-inl.h). With these every leaf, and by the operators (each monotone in each operand) the field, has a bound
+// over a stretch that misses the field by the square of the stretch's length. 16 stretches are bounded at once in SIMD lanes. A stretch
+// that the bound does not clear is looked into 16 times finer. Nothing is missed, nothing is guessed.
 //
 // Where only one ray and one place are asked for, the lanes are the leaves.
 
@@ -17,6 +17,7 @@
 
 #include "renderer/program/motion.h"
 #include "renderer/trace/bracketed_root.h"
+#include "renderer/trace/solid_leaf-inl.h"
 #include "renderer/trace/solve.h"
 #include "renderer/trace/tree_leaf-inl.h"
 #include "renderer/trace/warped_ray.h"
@@ -31,10 +32,12 @@ struct TreeRay {
   std::vector<float> px, py, pz, vx, vy, vz; ///< place and velocity in the leaf's space, by the latest question: where not
   std::vector<float> value;                  ///< by the latest question
   std::vector<char> is_active;               ///< the leaf reaches the segment
-  std::vector<WarpedRay::Place> places;      ///< of each warped space
+  std::vector<float> solid_value;            ///< of each solid, by the latest question
+  std::vector<char> is_solid_active;
+  std::vector<WarpedRay::Place> places; ///< of each warped space
 
-  void resize(size_t n, size_t spaces) {
-    places.resize(spaces);
+  void resize(size_t n, size_t solids, size_t spaces) {
+    places.resize(spaces), solid_value.resize(solids), is_solid_active.resize(solids);
     if (x0.size() >= n) return;
     for (auto* list : {&x0, &y0, &z0, &x1, &y1, &z1, &px, &py, &pz, &vx, &vy, &vz, &value}) list->resize(n);
     is_active.resize(n);
@@ -51,39 +54,59 @@ struct FieldValue {
   Vec3d g{0};
 };
 
-/// Two fields joined. `b` is what is subtracted, as it is.
-inline FieldValue join(TreeStep::Kind kind, double threshold, const FieldValue& a, const FieldValue& b) {
+/// By the skeleton's own formula.
+inline FieldValue solid_field(const FieldProgram& program, const SolidLeaf& leaf, const Vec3& place) {
+  using D = Dual<double, 3>;
+  thread_local SpacePoints<D> points;
+  points.begin(program);
+  const Point3<D> p = points.at(program, leaf.space, {D::variable(place.x, 0), D::variable(place.y, 1), D::variable(place.z, 2)});
+  return std::visit(
+      [&](const auto& kind) -> FieldValue {
+        if constexpr (Skeleton<std::decay_t<decltype(kind)>>) {
+          const D f = potential(kind, p);
+          return {f.value, {f.d[0], f.d[1], f.d[2]}};
+        }
+        return {};
+      },
+      program.field.nodes[leaf.node]);
+}
+
+/// The operands at(0), at(1), … joined. What is subtracted is given as it is.
+template <class At>
+FieldValue join_fields(const TreeStep& step, double threshold, const At& at) {
   using Kind = TreeStep::Kind;
-  const FieldValue rest{2 * threshold - b.f, -b.g};
+  const FieldValue a = at(0), b = at(1), rest{2 * threshold - b.f, -b.g};
   const auto smaller = [](const FieldValue& x, const FieldValue& y) { return x.f < y.f ? x : y; };
+  const auto larger = [](const FieldValue& x, const FieldValue& y) { return x.f > y.f ? x : y; };
   const auto above_0 = [](const FieldValue& x) { return x.f > 0 ? x : FieldValue{}; };
   const auto r_function = [&]<class Function>(Function, const FieldValue& x, const FieldValue& y) {
     const FieldValue p = above_0(x), q = above_0(y);
     const double s = p.f / threshold, t = q.f / threshold;
     return FieldValue{threshold * Function::join(s, t), Function::slope(s, t) * p.g + Function::slope(t, s) * q.g};
   };
-  switch (kind) {
-  case Kind::maximum: return a.f > b.f ? a : b;
+  switch (step.kind) {
+  case Kind::maximum: return larger(a, b);
   case Kind::minimum: return smaller(a, b);
   case Kind::difference: return above_0(smaller(a, rest));
   case Kind::r_union: return r_function(r_function::Unite{}, a, b);
   case Kind::r_intersection: return r_function(r_function::Intersect{}, a, b);
   case Kind::r_difference: return r_function(r_function::Intersect{}, a, rest);
-  default: return {a.f + b.f, a.g + b.g};
+  case Kind::hyper_blend: {
+    const FieldValue x = above_0(larger(a, b)), y = above_0(smaller(a, b));
+    if (y.f == 0) return x;
+    const double n = step.exponent, factor = std::pow(1 + std::pow(y.f / x.f, n), 1 / n);
+    return {x.f * factor, std::pow(factor, 1 - n) * (x.g + std::pow(y.f / x.f, n - 1) * y.g)};
   }
-}
-/// Values alone.
-inline double join(TreeStep::Kind kind, double threshold, double a, double b) {
-  using Kind = TreeStep::Kind;
-  const auto in_units = [&](double f) { return std::max(0.0, f) / threshold; };
-  switch (kind) {
-  case Kind::maximum: return std::max(a, b);
-  case Kind::minimum: return std::min(a, b);
-  case Kind::difference: return std::max(0.0, std::min(a, 2 * threshold - b));
-  case Kind::r_union: return threshold * r_function::Unite::join(in_units(a), in_units(b));
-  case Kind::r_intersection: return threshold * r_function::Intersect::join(in_units(a), in_units(b));
-  case Kind::r_difference: return threshold * r_function::Intersect::join(in_units(a), in_units(2 * threshold - b));
-  default: return a + b;
+  case Kind::local_blend: {
+    FieldValue most = a, sum = a;
+    for (uint32_t i = 1; i + 1 < step.count; ++i) most = larger(most, at(i)), sum = {sum.f + at(i).f, sum.g + at(i).g};
+    const FieldValue region = at(step.count - 1);
+    const bool is_between = region.f > 0 && region.f < 1;
+    const double in_region = std::min(std::max(region.f, 0.0), 1.0);
+    return {most.f + in_region * (sum.f - most.f),
+            most.g + in_region * (sum.g - most.g) + (is_between ? (sum.f - most.f) * region.g : Vec3d(0))};
+  }
+  default: return {a.f + b.f, a.g + b.g};
   }
 }
 
@@ -125,7 +148,7 @@ public:
 private:
   /// Puts the ray into the frames of the leaves; false if the field cannot reach the threshold on the segment.
   bool set_up(float half) {
-    ray_.resize(tree_.leaf_count, curves_.count());
+    ray_.resize(tree_.leaf_count, tree_.solids.leaves.size(), curves_.count());
     if (curves_.count() > 0) find_places(0);
     const Vec3& d = segment_.direction;
     const V3 m{set(place_.x), set(place_.y), set(place_.z)}, direction{set(d.x), set(d.y), set(d.z)};
@@ -146,11 +169,19 @@ private:
       hn::StoreMaskBits(k_lanes, reaches, bits);
       for (size_t j = 0; j < k_width; ++j) ray_.is_active[i + j] = bits[j / 8] >> (j % 8) & 1;
     }
+    for (size_t i = 0; i < tree_.solids.leaves.size(); ++i) {
+      const SolidLeaf& leaf = tree_.solids.leaves[i];
+      const WarpedRay::Place at = place_in_base(leaf.slot, 0);
+      const V least = SolidView(tree_.solids, leaf).range(lanes_of(at.at), lanes_of(at.velocity), set(half), false).least;
+      ray_.solid_value[i] = hn::GetLane(solid_potential(leaf, least));
+      ray_.is_solid_active[i] = ray_.solid_value[i] != 0;
+      any |= ray_.is_solid_active[i] != 0;
+    }
     if (!any && sign_ > 0) return false;
     if (!tree_.is_monotone) return true;
     // What a leaf can be at most, 0 if it can only take away.
-    const double most = join_all(
-        [&](const TreeStep& step, size_t i) { return wants_high(step) ? std::max(ray_.value[i], 0.f) : std::min(ray_.value[i], 0.f); });
+    const double most =
+        join_all([&](const TreeStep& step, float peak) { return wants_high(step) ? std::max(peak, 0.f) : std::min(peak, 0.f); });
     return sign_ * (most - threshold_) >= -1e-6f * threshold_;
   }
 
@@ -173,20 +204,30 @@ private:
     }
   }
 
-  /// The field, where leaf i of a step yields leaf(step, i).
+  static V3 lanes_of(const Vec3& p) { return {set(p.x), set(p.y), set(p.z)}; }
+
+  /// The ray at s in the base of some leaves; for curves, as find_places() has found it.
+  WarpedRay::Place place_in_base(uint32_t slot, float s) const {
+    return slot == 0 ? WarpedRay::Place{place_ + s * segment_.direction, segment_.direction} : ray_.places[slot - 1];
+  }
+
+  /// The field, where a leaf whose number by the latest question is x yields leaf(step, x).
   template <class LeafValue>
   double join_all(const LeafValue& leaf) const {
     double stack[k_tree_depth + 1];
     size_t depth = 0;
     for (const TreeStep& step : tree_.steps) {
-      if (step.kind != TreeStep::Kind::leaves) {
-        --depth;
-        stack[depth - 1] = join(step.kind, threshold_, stack[depth - 1], stack[depth]);
+      if (step.is_join()) {
+        depth -= step.count - 1;
+        stack[depth - 1] = join_fields(step, threshold_, [&](uint32_t i) { return FieldValue{stack[depth - 1 + i]}; }).f;
         continue;
       }
       double sum = 0;
-      for (uint32_t i = step.first; i < step.first + step.count; ++i)
-        if (ray_.is_active[i]) sum += leaf(step, i);
+      if (step.kind == TreeStep::Kind::solid)
+        sum = leaf(step, ray_.solid_value[step.first]);
+      else
+        for (uint32_t i = step.first; i < step.first + step.count; ++i)
+          if (ray_.is_active[i]) sum += leaf(step, ray_.value[i]);
       stack[depth++] = sum;
     }
     return stack[0];
@@ -211,24 +252,43 @@ private:
       const Leaf leaf = Leaf::each(tree_, i);
       hn::StoreU(leaf.potential(square_of_positive(offset_of_leaves(leaf, i, place).distance())), k_lanes, &ray_.value[i]);
     }
-    return sign_ * static_cast<float>(join_all([&](const TreeStep&, size_t i) { return ray_.value[i]; }) - double(threshold_));
+    for (size_t i = 0; i < tree_.solids.leaves.size(); ++i) {
+      const SolidLeaf& leaf = tree_.solids.leaves[i];
+      if (!ray_.is_solid_active[i]) continue;
+      const V distance = SolidView(tree_.solids, leaf).distance(lanes_of(place_in_base(leaf.slot, place).at));
+      ray_.solid_value[i] = hn::GetLane(solid_potential(leaf, distance));
+    }
+    return sign_ * static_cast<float>(join_all([&](const TreeStep&, float value) { return value; }) - double(threshold_));
+  }
+
+  /// Whether leaves, at distances that change at these rates, have come nearer for a length and make the field rise, or have
+  /// not reached.
+  static bool only_approach(V distance, V rate, V sign, V k, V length) {
+    const V zero = hn::Zero(k_lanes), nearest = hn::NegMulAdd(hn::Max(rate, zero), length, distance);
+    const auto reaches = hn::Lt(hn::Mul(square_of_positive(nearest), k), set(1));
+    const auto approaches = hn::And(hn::Gt(sign, zero), hn::Le(rate, zero));
+    return hn::AllFalse(k_lanes, hn::AndNot(approaches, reaches));
   }
 
   /// Whether g surely rises all the way from `from` to `to`: every leaf comes nearer that makes it rise, and none
   /// reaches that makes it fall. The distances being convex, `to` tells.
   bool is_rising(float from, float to) const {
     if (sign_ < 0 || curves_.count() > 0 || !tree_.is_monotone) return false;
-    const V zero = hn::Zero(k_lanes), length = set(to - from);
+    const V length = set(to - from);
     for (size_t i = 0; i < tree_.leaf_count; i += k_width) {
       const Leaf leaf = Leaf::each(tree_, i);
       const Offset offset = offset_of_leaves(leaf, i, to);
       const V rate = offset.rate(load(ray_.x1, ray_.y1, ray_.z1, i));
       const V sign = hn::LoadU(k_lanes, tree_.leaves + leaf_sign * tree_.leaf_count + i);
-      const V least = hn::NegMulAdd(hn::Max(rate, zero), length, offset.distance());
-      const V nearest = hn::IfThenElse(hn::Lt(rate, zero), offset.distance(), least);
-      const auto reaches = hn::Lt(hn::Mul(square_of_positive(nearest), leaf.k), set(1));
-      const auto approaches = hn::And(hn::Gt(sign, zero), hn::Le(rate, zero));
-      if (!hn::AllFalse(k_lanes, hn::AndNot(approaches, reaches))) return false;
+      if (!only_approach(offset.distance(), rate, sign, leaf.k, length)) return false;
+    }
+    for (size_t i = 0; i < tree_.solids.leaves.size(); ++i) {
+      if (!ray_.is_solid_active[i]) continue;
+      const SolidLeaf& leaf = tree_.solids.leaves[i];
+      const WarpedRay::Place at = place_in_base(leaf.slot, to);
+      V rate;
+      const V distance = SolidView(tree_.solids, leaf).distance(lanes_of(at.at), lanes_of(at.velocity), rate);
+      if (!only_approach(distance, rate, set(leaf.sign), set(leaf.k), length)) return false;
     }
     return true;
   }
@@ -245,8 +305,13 @@ private:
         add_leaves(step, places, halves, curves, stack[depth++]);
         continue;
       }
-      --depth;
-      for (size_t j = 0; j < k_vectors; ++j) stack[depth - 1].v[j] = join(step.kind, threshold_, stack[depth - 1].v[j], stack[depth].v[j]);
+      if (step.kind == TreeStep::Kind::solid) {
+        find_solid(step, places, halves, curves, stack[depth++]);
+        continue;
+      }
+      depth -= step.count - 1;
+      for (size_t j = 0; j < k_vectors; ++j)
+        stack[depth - 1].v[j] = join_ranges(step, threshold_, [&](uint32_t i) -> const Range& { return stack[depth - 1 + i].v[j]; });
     }
     const V t = set(threshold_), sign = set(sign_);
     for (size_t j = 0; j < k_vectors; ++j) {
@@ -294,6 +359,21 @@ private:
         const V3 velocity = slot == 0 ? v : velocity_in_frame(row, curves[slot - 1].velocity[j]);
         add_leaf(leaf, tree_.is_positive(i), wants_low(step), wants_high(step), place, velocity, drift, halves.v[j], sum.v[j]);
       }
+    }
+  }
+
+  void find_solid(const TreeStep& step, const Row& places, const Row& halves, const Curve* curves, Ranges& out) const {
+    const SolidLeaf& leaf = tree_.solids.leaves[step.first];
+    const V zero = hn::Zero(k_lanes);
+    const V3 middle = lanes_of(place_), direction = lanes_of(segment_.direction);
+    for (size_t j = 0; j < k_vectors; ++j) {
+      if (!ray_.is_solid_active[step.first]) {
+        out.v[j] = {zero, zero, zero};
+        continue;
+      }
+      const V3 place = leaf.slot == 0 ? at_time(middle, direction, places.v[j]) : curves[leaf.slot - 1].place[j];
+      const V3 velocity = leaf.slot == 0 ? direction : curves[leaf.slot - 1].velocity[j];
+      out.v[j] = solid_range(tree_.solids, leaf, wants_low(step), wants_high(step), place, velocity, halves.v[j]);
     }
   }
 
@@ -411,9 +491,13 @@ Vec3 TreeGradient(const ShapeCells& shape, const Cell& cell, const Vec3& place) 
   std::array<FieldValue, k_tree_depth + 1> stack;
   size_t depth = 0;
   for (const TreeStep& step : tree.steps) {
-    if (step.kind != TreeStep::Kind::leaves) {
-      --depth;
-      stack[depth - 1] = join(step.kind, shape.program.threshold, stack[depth - 1], stack[depth]);
+    if (step.is_join()) {
+      depth -= step.count - 1;
+      stack[depth - 1] = join_fields(step, shape.program.threshold, [&](uint32_t i) { return stack[depth - 1 + i]; });
+      continue;
+    }
+    if (step.kind == TreeStep::Kind::solid) {
+      stack[depth++] = solid_field(shape.program, tree.solids.leaves[step.first], place);
       continue;
     }
     FieldValue sum;
