@@ -35,6 +35,16 @@ std::optional<TreeStep::Kind> step_kind(const Kind& kind, Demand demand) {
   return {};
 }
 
+/// g++ 12 makes nothing of Vec3d(Vec3(v)): it folds the conversions of two lanes at once, and drops the rounding.
+Vec3d rounded_to_float(const Vec3d& v) {
+  Vec3d r;
+  for (int i = 0; i < 3; ++i) {
+    const volatile float rounded = static_cast<float>(v[i]);
+    r[i] = rounded;
+  }
+  return r;
+}
+
 class TreeMaker {
 public:
   TreeMaker(const FieldProgram& program, const CodeView& code, const Box3& cell) : program_(program), code_(code), cell_(cell) {}
@@ -77,12 +87,17 @@ private:
     out_.is_monotone &= *kind != TreeStep::Kind::r_union;
     // Joined two by two, so that the stack stays low however many there are.
     uint32_t count = 0;
+    const size_t first = out_.steps.size();
     for (const uint32_t operand : operands(step)) {
       const bool flips = subtracts && count > 0;
       if (!emit(operand, depth + (count > 0), is_subtracted != flips)) return false;
       if (count++ > 0) out_.steps.push_back({*kind, 0, 2, is_subtracted, exponent});
     }
-    return true;
+    // Below 1 it rises from 0 infinitely fast, and in float R-functions are not quite 0 where they should be.
+    const auto is_r_function = [](const TreeStep& s) {
+      return s.kind >= TreeStep::Kind::r_union && s.kind <= TreeStep::Kind::r_difference;
+    };
+    return exponent >= 1 || std::none_of(out_.steps.begin() + std::ptrdiff_t(first), out_.steps.end(), is_r_function);
   }
 
   float exponent_of(const Instruction& step) const { return std::get<HyperBlend<SampledMode>>(program_.field.nodes[step.node]).n; }
@@ -234,15 +249,21 @@ private:
       }
     base.centre = Vec3d(cell_.centre());
     if (warped != 0) {
+      const Space& warp = program_.spaces[warped];
+      Base parent;
+      Affine parent_from_base;
+      if (!find_base(warp.parent, parent, parent_from_base)) return false;
       base.slot = static_cast<uint32_t>(out_.spaces.size()) + 1;
       SpacePoints<double> points;
       points.begin(program_);
       const Point3<double> c = points.at(program_, warped, {base.centre.x, base.centre.y, base.centre.z});
-      const Vec3 rounded(Vec3d(c.x, c.y, c.z));
-      base.centre = Vec3d(rounded);
+      base.centre = rounded_to_float({c.x, c.y, c.z});
       base.turning = turning(program_, warped, cell_);
       if (!(base.turning <= k_most_drift) || out_.spaces.size() == k_tree_spaces) return false;
-      out_.spaces.push_back({warped, rounded});
+      const LaneWarp lanes = std::visit(
+          [&](const auto& kind) { return lane_warp(kind, warp.local_from_parent * parent_from_base, parent.centre, base.centre); },
+          program_.field.nodes[warp.warp]);
+      out_.spaces.push_back({warped, Vec3(base.centre), parent.slot, lanes});
     }
     bases_.emplace_back(warped, base);
     return true;

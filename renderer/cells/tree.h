@@ -8,6 +8,7 @@
 #include <span>
 
 #include "base/box.h"
+#include "renderer/cells/lane_warp.h"
 #include "renderer/program/evaluate.h"
 
 namespace kelpie {
@@ -45,6 +46,8 @@ struct TreeStep {
 struct TreeSpace {
   uint32_t space; ///< into FieldProgram::spaces
   Vec3 centre;    ///< the image of the cell's centre, rounded
+  uint32_t base;  ///< from where it is warped: 0: the world; i + 1: TreeView::spaces[i], which is before this one
+  LaneWarp warp;
 };
 
 /// The numbers of a leaf. Its potential at a point p, relative to the centre of the cell in the leaf's space, is q^2 (a + b q) with

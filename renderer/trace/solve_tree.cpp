@@ -20,6 +20,7 @@
 #include "renderer/trace/solid_leaf-inl.h"
 #include "renderer/trace/solve.h"
 #include "renderer/trace/tree_leaf-inl.h"
+#include "renderer/trace/warp_lanes-inl.h"
 #include "renderer/trace/warped_ray.h"
 
 #ifndef KELPIE_SOLVE_TREE_ONCE
@@ -49,19 +50,28 @@ inline constexpr size_t k_stretches = 16;
 inline constexpr int k_most_levels = 7;
 
 /// A field and its gradient.
+template <class Gradient>
 struct FieldValue {
   double f = 0;
-  Vec3d g{0};
+  Gradient g{};
+};
+
+/// In place of a gradient where only the value is asked for.
+struct NoGradient {
+  friend NoGradient operator+(NoGradient, NoGradient) { return {}; }
+  friend NoGradient operator-(NoGradient, NoGradient) { return {}; }
+  friend NoGradient operator-(NoGradient) { return {}; }
+  friend NoGradient operator*(double, NoGradient) { return {}; }
 };
 
 /// By the skeleton's own formula.
-inline FieldValue solid_field(const FieldProgram& program, const SolidLeaf& leaf, const Vec3& place) {
+inline FieldValue<Vec3d> solid_field(const FieldProgram& program, const SolidLeaf& leaf, const Vec3& place) {
   using D = Dual<double, 3>;
   thread_local SpacePoints<D> points;
   points.begin(program);
   const Point3<D> p = points.at(program, leaf.space, {D::variable(place.x, 0), D::variable(place.y, 1), D::variable(place.z, 2)});
   return std::visit(
-      [&](const auto& kind) -> FieldValue {
+      [&](const auto& kind) -> FieldValue<Vec3d> {
         if constexpr (Skeleton<std::decay_t<decltype(kind)>>) {
           const D f = potential(kind, p);
           return {f.value, {f.d[0], f.d[1], f.d[2]}};
@@ -72,17 +82,18 @@ inline FieldValue solid_field(const FieldProgram& program, const SolidLeaf& leaf
 }
 
 /// The operands at(0), at(1), … joined. What is subtracted is given as it is.
-template <class At>
-FieldValue join_fields(const TreeStep& step, double threshold, const At& at) {
+template <class Gradient, class At>
+FieldValue<Gradient> join_fields(const TreeStep& step, double threshold, const At& at) {
   using Kind = TreeStep::Kind;
-  const FieldValue a = at(0), b = at(1), rest{2 * threshold - b.f, -b.g};
-  const auto smaller = [](const FieldValue& x, const FieldValue& y) { return x.f < y.f ? x : y; };
-  const auto larger = [](const FieldValue& x, const FieldValue& y) { return x.f > y.f ? x : y; };
-  const auto above_0 = [](const FieldValue& x) { return x.f > 0 ? x : FieldValue{}; };
-  const auto r_function = [&]<class Function>(Function, const FieldValue& x, const FieldValue& y) {
-    const FieldValue p = above_0(x), q = above_0(y);
+  using Value = FieldValue<Gradient>;
+  const Value a = at(0), b = at(1), rest{2 * threshold - b.f, -b.g};
+  const auto smaller = [](const Value& x, const Value& y) { return x.f < y.f ? x : y; };
+  const auto larger = [](const Value& x, const Value& y) { return x.f > y.f ? x : y; };
+  const auto above_0 = [](const Value& x) { return x.f > 0 ? x : Value{}; };
+  const auto r_function = [&]<class Function>(Function, const Value& x, const Value& y) {
+    const Value p = above_0(x), q = above_0(y);
     const double s = p.f / threshold, t = q.f / threshold;
-    return FieldValue{threshold * Function::join(s, t), Function::slope(s, t) * p.g + Function::slope(t, s) * q.g};
+    return Value{threshold * Function::join(s, t), Function::slope(s, t) * p.g + Function::slope(t, s) * q.g};
   };
   switch (step.kind) {
   case Kind::maximum: return larger(a, b);
@@ -92,19 +103,19 @@ FieldValue join_fields(const TreeStep& step, double threshold, const At& at) {
   case Kind::r_intersection: return r_function(r_function::Intersect{}, a, b);
   case Kind::r_difference: return r_function(r_function::Intersect{}, a, rest);
   case Kind::hyper_blend: {
-    const FieldValue x = above_0(larger(a, b)), y = above_0(smaller(a, b));
+    const Value x = above_0(larger(a, b)), y = above_0(smaller(a, b));
     if (y.f == 0) return x;
     const double n = step.exponent, factor = std::pow(1 + std::pow(y.f / x.f, n), 1 / n);
     return {x.f * factor, std::pow(factor, 1 - n) * (x.g + std::pow(y.f / x.f, n - 1) * y.g)};
   }
   case Kind::local_blend: {
-    FieldValue most = a, sum = a;
+    Value most = a, sum = a;
     for (uint32_t i = 1; i + 1 < step.count; ++i) most = larger(most, at(i)), sum = {sum.f + at(i).f, sum.g + at(i).g};
-    const FieldValue region = at(step.count - 1);
+    const Value region = at(step.count - 1);
     const bool is_between = region.f > 0 && region.f < 1;
     const double in_region = std::min(std::max(region.f, 0.0), 1.0);
     return {most.f + in_region * (sum.f - most.f),
-            most.g + in_region * (sum.g - most.g) + (is_between ? (sum.f - most.f) * region.g : Vec3d(0))};
+            most.g + in_region * (sum.g - most.g) + (is_between ? (sum.f - most.f) * region.g : Gradient{})};
   }
   default: return {a.f + b.f, a.g + b.g};
   }
@@ -194,7 +205,10 @@ private:
 
   /// Where the ray is at s in the space of each leaf.
   void find_places(float s) const {
-    curves_.find(segment_.origin, segment_.direction, double(middle_) + double(s), ray_.places.data());
+    Curve curves[k_tree_spaces];
+    find_curves(set(s), curves);
+    const auto first = [](const V3& v) { return Vec3(hn::GetLane(v.x), hn::GetLane(v.y), hn::GetLane(v.z)); };
+    for (size_t i = 0; i < curves_.count(); ++i) ray_.places[i] = {first(curves[i].place), first(curves[i].velocity)};
     const WarpedRay::Place line{place_ + s * segment_.direction, segment_.direction};
     for (size_t i = 0; i < tree_.leaf_count; ++i) {
       const auto slot = static_cast<size_t>(tree_.row(leaf_space, i));
@@ -202,6 +216,20 @@ private:
       ray_.px[i] = p.at.x, ray_.py[i] = p.at.y, ray_.pz[i] = p.at.z;
       ray_.vx[i] = p.velocity.x, ray_.vy[i] = p.velocity.y, ray_.vz[i] = p.velocity.z;
     }
+  }
+
+  /// Where the ray is at each s in all warped spaces.
+  void find_curves(V s, Curve* curves) const {
+    const auto by_points = [&](size_t i) {
+      alignas(64) float at[k_width];
+      hn::Store(s, k_lanes, at);
+      CurveRows rows;
+      for (size_t j = 0; j < k_width; ++j)
+        rows.set_lane(j, curves_.find(segment_.origin, segment_.direction, double(middle_) + double(at[j]), i));
+      return rows.curve();
+    };
+    const V3 direction = lanes_of(segment_.direction);
+    HWY_NAMESPACE::find_curves(tree_, {at_time(lanes_of(place_), direction, s), direction}, by_points, curves);
   }
 
   static V3 lanes_of(const Vec3& p) { return {set(p.x), set(p.y), set(p.z)}; }
@@ -219,7 +247,9 @@ private:
     for (const TreeStep& step : tree_.steps) {
       if (step.is_join()) {
         depth -= step.count - 1;
-        stack[depth - 1] = join_fields(step, threshold_, [&](uint32_t i) { return FieldValue{stack[depth - 1 + i]}; }).f;
+        stack[depth - 1] = join_fields<NoGradient>(step, threshold_, [&](uint32_t i) {
+                             return FieldValue<NoGradient>{stack[depth - 1 + i], {}};
+                           }).f;
         continue;
       }
       double sum = 0;
@@ -297,8 +327,8 @@ private:
   void sample(const Row& places, const Row& halves, float* g, float* most) const {
     work_.evaluations += k_stretches;
     Ranges stack[k_tree_depth + 1];
-    Curve curves[k_tree_spaces];
-    find_curves(places, curves);
+    Curve curves[k_vectors][k_tree_spaces];
+    for (size_t j = 0; j < k_vectors && curves_.count() > 0; ++j) find_curves(places.v[j], curves[j]);
     size_t depth = 0;
     for (const TreeStep& step : tree_.steps) {
       if (step.kind == TreeStep::Kind::leaves) {
@@ -321,28 +351,7 @@ private:
     }
   }
 
-  /// Places and velocities in a warped space.
-  struct Curve {
-    V3 place[k_vectors], velocity[k_vectors];
-  };
-
-  void find_curves(const Row& places, Curve* curves) const {
-    if (curves_.count() == 0) return;
-    alignas(64) float s[k_stretches], numbers[k_tree_spaces][6][k_stretches];
-    for (size_t j = 0; j < k_vectors; ++j) hn::Store(places.v[j], k_lanes, s + j * k_width);
-    for (size_t j = 0; j < k_stretches; ++j) {
-      curves_.find(segment_.origin, segment_.direction, double(middle_) + double(s[j]), ray_.places.data());
-      for (size_t c = 0; c < curves_.count(); ++c)
-        for (int k = 0; k < 3; ++k) numbers[c][k][j] = ray_.places[c].at[k], numbers[c][3 + k][j] = ray_.places[c].velocity[k];
-    }
-    for (size_t c = 0; c < curves_.count(); ++c)
-      for (size_t j = 0; j < k_vectors; ++j) {
-        const auto row = [&](size_t k) { return hn::Load(k_lanes, numbers[c][k] + j * k_width); };
-        curves[c].place[j] = {row(0), row(1), row(2)}, curves[c].velocity[j] = {row(3), row(4), row(5)};
-      }
-  }
-
-  void add_leaves(const TreeStep& step, const Row& places, const Row& halves, const Curve* curves, Ranges& sum) const {
+  void add_leaves(const TreeStep& step, const Row& places, const Row& halves, const Curve (*curves)[k_tree_spaces], Ranges& sum) const {
     const V zero = hn::Zero(k_lanes);
     for (Range& range : sum.v) range = {zero, zero, zero};
     for (uint32_t i = step.first; i < step.first + step.count; ++i) {
@@ -355,14 +364,14 @@ private:
       for (size_t j = 0; j < k_vectors; ++j) {
         const V s = places.v[j];
         const V3 place = slot == 0 ? V3{hn::MulAdd(v.x, s, p.x), hn::MulAdd(v.y, s, p.y), hn::MulAdd(v.z, s, p.z)}
-                                   : place_in_frame(row, curves[slot - 1].place[j]);
-        const V3 velocity = slot == 0 ? v : velocity_in_frame(row, curves[slot - 1].velocity[j]);
+                                   : place_in_frame(row, curves[j][slot - 1].place);
+        const V3 velocity = slot == 0 ? v : velocity_in_frame(row, curves[j][slot - 1].velocity);
         add_leaf(leaf, tree_.is_positive(i), wants_low(step), wants_high(step), place, velocity, drift, halves.v[j], sum.v[j]);
       }
     }
   }
 
-  void find_solid(const TreeStep& step, const Row& places, const Row& halves, const Curve* curves, Ranges& out) const {
+  void find_solid(const TreeStep& step, const Row& places, const Row& halves, const Curve (*curves)[k_tree_spaces], Ranges& out) const {
     const SolidLeaf& leaf = tree_.solids.leaves[step.first];
     const V zero = hn::Zero(k_lanes);
     const V3 middle = lanes_of(place_), direction = lanes_of(segment_.direction);
@@ -371,8 +380,8 @@ private:
         out.v[j] = {zero, zero, zero};
         continue;
       }
-      const V3 place = leaf.slot == 0 ? at_time(middle, direction, places.v[j]) : curves[leaf.slot - 1].place[j];
-      const V3 velocity = leaf.slot == 0 ? direction : curves[leaf.slot - 1].velocity[j];
+      const V3 place = leaf.slot == 0 ? at_time(middle, direction, places.v[j]) : curves[j][leaf.slot - 1].place;
+      const V3 velocity = leaf.slot == 0 ? direction : curves[j][leaf.slot - 1].velocity;
       out.v[j] = solid_range(tree_.solids, leaf, wants_low(step), wants_high(step), place, velocity, halves.v[j]);
     }
   }
@@ -466,10 +475,11 @@ Vec3 TreeGradient(const ShapeCells& shape, const Cell& cell, const Vec3& place) 
   for (auto& list : leaves)
     if (list.size() < n) list.resize(n);
   const SpaceGradients spaces(shape.program, tree, cell, place);
+  alignas(64) float places[3][k_width] = {};
   for (size_t i = 0; i < n; i += k_width) {
     const auto row = [&](uint32_t r) { return hn::LoadU(k_lanes, tree.leaves + r * n + i); };
-    alignas(64) float places[3][k_width];
-    for (size_t j = 0; j < k_width; ++j)
+    const bool is_known = tree.spaces.empty() && i > 0; // all of them are in the world
+    for (size_t j = 0; j < k_width && !is_known; ++j)
       for (int c = 0; c < 3; ++c) places[c][j] = spaces.place(tree.row(leaf_space, i + j))[c];
     const Leaf leaf = Leaf::each(tree, i);
     const Offset offset(leaf,
@@ -488,21 +498,24 @@ Vec3 TreeGradient(const ShapeCells& shape, const Cell& cell, const Vec3& place) 
     for (uint32_t c = 0; c < 3; ++c) hn::StoreU(component(c), k_lanes, &leaves[c + 1][i]);
   }
 
-  std::array<FieldValue, k_tree_depth + 1> stack;
+  std::array<FieldValue<Vec3d>, k_tree_depth + 1> stack;
   size_t depth = 0;
   for (const TreeStep& step : tree.steps) {
     if (step.is_join()) {
       depth -= step.count - 1;
-      stack[depth - 1] = join_fields(step, shape.program.threshold, [&](uint32_t i) { return stack[depth - 1 + i]; });
+      stack[depth - 1] =
+          join_fields<Vec3d>(step, shape.program.threshold, [&](uint32_t i) -> const FieldValue<Vec3d>& { return stack[depth - 1 + i]; });
       continue;
     }
     if (step.kind == TreeStep::Kind::solid) {
       stack[depth++] = solid_field(shape.program, tree.solids.leaves[step.first], place);
       continue;
     }
-    FieldValue sum;
-    for (uint32_t i = step.first; i < step.first + step.count; ++i)
+    FieldValue<Vec3d> sum;
+    for (uint32_t i = step.first; i < step.first + step.count; ++i) {
+      if (leaves[0][i] == 0) continue;
       sum.f += leaves[0][i], sum.g += Vec3d(spaces.in_world(tree.row(leaf_space, i), Vec3(leaves[1][i], leaves[2][i], leaves[3][i])));
+    }
     stack[depth++] = sum;
   }
   return Vec3(stack[0].g);

@@ -18,6 +18,7 @@
 #include "renderer/trace/solid_leaf-inl.h"
 #include "renderer/trace/solve.h"
 #include "renderer/trace/tree_leaf-inl.h"
+#include "renderer/trace/warp_lanes-inl.h"
 #include "renderer/trace/warped_ray.h"
 
 #ifndef KELPIE_SOLVE_TREE_LANES_ONCE
@@ -79,30 +80,25 @@ public:
   }
 
 private:
-  /// Places and velocities in a warped space.
-  struct Curve {
-    V3 place, velocity;
-  };
-
   /// Whether the field may bend sharply on the surface, so that a secant misses its root.
   bool is_steep() const {
     const auto is_steep_join = [](const TreeStep& step) { return step.kind >= TreeStep::Kind::r_union; };
     return std::any_of(tree_.steps.begin(), tree_.steps.end(), is_steep_join);
   }
 
-  /// Lanes whose root is none become unsure; but what is inside is good enough up to `enough`, and where the segment begins.
+  /// Lanes whose root is none become unsure. Up to `enough` any place inside was good enough, and so it is where the segment begins.
   void verify(V enough, V root, M& hit, M& unsure) {
-    live_ = hit;
-    if (none(hit)) return;
+    live_ = hn::And(hit, hn::Gt(root, enough));
+    if (none(live_)) return;
     V g, most;
     evaluate(root, hn::Zero(k_lanes), g, most);
     const V tolerance = set(3e-5f * threshold_);
-    const auto is_wrong =
-        hn::And(hit, hn::Or(hn::Lt(g, hn::Neg(tolerance)), hn::And(hn::Gt(g, tolerance), hn::Gt(root, hn::Max(enough, hn::Neg(half_))))));
+    const auto is_late = hn::And(hn::Gt(g, tolerance), hn::Gt(root, hn::Neg(half_)));
+    const auto is_wrong = hn::And(live_, hn::Or(hn::Lt(g, hn::Neg(tolerance)), is_late));
     hit = hn::AndNot(is_wrong, hit), unsure = hn::Or(unsure, is_wrong);
   }
 
-  /// The rays as numbers, for the curves.
+  /// The rays as numbers, for warps that are computed point by point.
   void keep_rays(const V3& o, const V3& d, V middle) {
     if (curves_.count() == 0) return;
     const V rows[] = {o.x, o.y, o.z, d.x, d.y, d.z, middle};
@@ -112,20 +108,18 @@ private:
   /// Where the lanes are at s in the warped spaces.
   void find_curves(V s) const {
     if (curves_.count() == 0) return;
-    alignas(64) float at[k_width], numbers[k_tree_spaces][6][k_width] = {};
-    hn::Store(s, k_lanes, at);
-    WarpedRay::Place places[k_tree_spaces];
-    for (uint32_t left = bits_of(live_), i = 0; left != 0; left >>= 1, ++i) {
-      if (!(left & 1)) continue;
-      const Vec3 origin(rays_[0][i], rays_[1][i], rays_[2][i]), direction(rays_[3][i], rays_[4][i], rays_[5][i]);
-      curves_.find(origin, direction, double(rays_[6][i]) + double(at[i]), places);
-      for (size_t c = 0; c < curves_.count(); ++c)
-        for (int k = 0; k < 3; ++k) numbers[c][k][i] = places[c].at[k], numbers[c][3 + k][i] = places[c].velocity[k];
-    }
-    for (size_t c = 0; c < curves_.count(); ++c) {
-      const auto row = [&](size_t k) { return hn::Load(k_lanes, numbers[c][k]); };
-      found_[c] = {{row(0), row(1), row(2)}, {row(3), row(4), row(5)}};
-    }
+    const auto by_points = [&](size_t c) {
+      alignas(64) float at[k_width];
+      hn::Store(s, k_lanes, at);
+      CurveRows rows;
+      for (uint32_t left = bits_of(live_), i = 0; left != 0; left >>= 1, ++i) {
+        if (!(left & 1)) continue;
+        const Vec3 origin(rays_[0][i], rays_[1][i], rays_[2][i]), direction(rays_[3][i], rays_[4][i], rays_[5][i]);
+        rows.set_lane(i, curves_.find(origin, direction, double(rays_[6][i]) + double(at[i]), c));
+      }
+      return rows.curve();
+    };
+    HWY_NAMESPACE::find_curves(tree_, {at_time(middle_, direction_, s), direction_}, by_points, found_);
   }
 
   /// Puts the rays into the frames of the leaves; returns upper bounds of the field on the segments.
@@ -183,7 +177,7 @@ private:
   const V3& velocity_in_base(const SolidLeaf& leaf) const { return leaf.slot == 0 ? direction_ : found_[leaf.slot - 1].velocity; }
 
   /// The same for a solid.
-  V set_up_solid(uint32_t i) {
+  HWY_NOINLINE V set_up_solid(uint32_t i) {
     const SolidLeaf& leaf = tree_.solids.leaves[i];
     const V3 place = place_in_base(leaf, hn::Zero(k_lanes));
     const V peak = solid_potential(leaf, SolidView(tree_.solids, leaf).range(place, velocity_in_base(leaf), half_, false).least);
@@ -217,7 +211,7 @@ private:
   }
 
   /// A lane that does not meet the solid has 0 of it, whatever the others do.
-  void add_solid(const TreeStep& step, V s, V h, Range& out) const {
+  HWY_NOINLINE void add_solid(const TreeStep& step, V s, V h, Range& out) const {
     const auto is_met = hn::Ne(hn::Load(k_lanes, lanes_.reaches.get() + step.first * k_width), hn::Zero(k_lanes));
     if (none(is_met)) return;
     const SolidLeaf& leaf = tree_.solids.leaves[step.first];

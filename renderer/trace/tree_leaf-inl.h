@@ -105,7 +105,7 @@ struct RFunctions {
 };
 
 /// The hyper-blend of two fields, the part below 0 counting as 0: m (1 + r^n)^(1/n), m the larger and r the ratio.
-inline V hyper_blend(float exponent, V a, V b) {
+static HWY_NOINLINE V hyper_blend(float exponent, V a, V b) {
   const V zero = hn::Zero(k_lanes), least = set(std::numeric_limits<float>::min());
   const V m = hn::Max(hn::Max(a, b), zero), ratio = hn::Div(hn::Max(hn::Min(a, b), zero), hn::Max(m, least));
   const V power = hn::Exp(k_lanes, hn::Mul(set(exponent), hn::Log(k_lanes, hn::Max(ratio, least))));
@@ -114,7 +114,7 @@ inline V hyper_blend(float exponent, V a, V b) {
 }
 
 /// Two fields joined. `b` is what is subtracted, as it is.
-inline V join_two(const TreeStep& step, float threshold, V a, V b) {
+HWY_INLINE V join_two(const TreeStep& step, float threshold, V a, V b) {
   const V zero = hn::Zero(k_lanes), units = set(1 / threshold), t = set(threshold);
   const auto in_units = [&](V f) { return hn::Mul(hn::Max(f, zero), units); };
   switch (step.kind) {
@@ -151,7 +151,7 @@ struct Range {
 /// Every step rises with its operands, or falls with what it subtracts; but the R-union falls a little in places,
 /// with a slope of -0.1664 at most, and the local blend may fall with its region.
 template <class At>
-Range join_ranges(const TreeStep& step, float threshold, const At& at) {
+HWY_NOINLINE Range join_rare_ranges(const TreeStep& step, float threshold, const At& at) {
   const auto value = [&](uint32_t i) { return at(i).value; };
   const auto low = [&](uint32_t i) { return at(i).low; };
   const auto high = [&](uint32_t i) { return at(i).high; };
@@ -174,9 +174,24 @@ Range join_ranges(const TreeStep& step, float threshold, const At& at) {
   return r;
 }
 
+/// The operands at(0), at(1), … joined, those joins that are most of a scene without a call.
+template <class At>
+HWY_INLINE Range join_ranges(const TreeStep& step, float threshold, const At& at) {
+  const auto each = [&](const auto& joined) {
+    const Range &a = at(0), &b = at(1);
+    return Range{joined(a.value, b.value), joined(a.low, b.low), joined(a.high, b.high)};
+  };
+  switch (step.kind) {
+  case TreeStep::Kind::sum: return each([](V a, V b) { return hn::Add(a, b); });
+  case TreeStep::Kind::maximum: return each([](V a, V b) { return hn::Max(a, b); });
+  case TreeStep::Kind::minimum: return each([](V a, V b) { return hn::Min(a, b); });
+  default: return join_rare_ranges(step, threshold, at);
+  }
+}
+
 /// Adds a leaf at a place with a velocity, and its bounds on the stretch h either way, to a sum.
-inline void add_leaf(const Leaf& leaf, bool is_positive, bool wants_low, bool wants_high, const V3& place, const V3& velocity, V drift, V h,
-                     Range& sum) {
+HWY_INLINE void add_leaf(const Leaf& leaf, bool is_positive, bool wants_low, bool wants_high, const V3& place, const V3& velocity, V drift,
+                         V h, Range& sum) {
   const Offset offset(leaf, place);
   sum.value = hn::Add(sum.value, leaf.potential(square_of_positive(offset.distance())));
   const bool wants_nearest = is_positive ? wants_high : wants_low, wants_farthest = is_positive ? wants_low : wants_high;
