@@ -69,6 +69,7 @@ struct ParameterRules {
   bool is_required = false;       ///< with an alternative: one of the two is required
   bool is_nonzero = false;        ///< a direction: the zero vector has none
   bool is_number_for_all = false; ///< a vector that may be given as one number for all components
+  size_t least_count = 1;         ///< of the elements of a required list
   std::string_view alternative{}; ///< the parameter that excludes this one
   std::string_view example{};     ///< of a required file or part: a name in examples
   std::string_view library{};     ///< where the scene keeps values that this one may be by name: "surfaces"
@@ -123,6 +124,11 @@ struct Parameter : ParameterRules {
   constexpr Parameter or_number_for_all() const {
     auto p = *this;
     p.is_number_for_all = true;
+    return p;
+  }
+  constexpr Parameter of_at_least(size_t count) const {
+    auto p = *this;
+    p.least_count = count;
     return p;
   }
   constexpr Parameter such_as(std::string_view name_in_examples) const {

@@ -27,6 +27,7 @@
 #include "field/skeletons/torus.h"
 #include "field/skeletons/triangle.h"
 #include "field/warps/affine.h"
+#include "field/warps/axial.h"
 #include "field/warps/bend.h"
 #include "field/warps/instance.h"
 #include "field/warps/taper.h"
@@ -64,7 +65,8 @@ using FieldFolderKinds = KindList< //
     Instance,                      //
     Twist,                         //
     Bend,                          //
-    Taper>;
+    Taper,                         //
+    Axial>;
 
 // What a sampled kind can be asked, and so how the engine treats it:
 
@@ -115,6 +117,12 @@ concept Warp = requires(const K k, Point3<double> p, Point3<Interval> b) {
   k.child_from_parent(b);
   k.parent_from_child(p);
   k.image_of(Box3d{});
+};
+/// One that tears space: where a box meets a tear, `bool torn_images(Box3d, std::vector<Box3d>&)` yields boxes that hold all its
+/// images but those that are nowhere, where no field is; so that nobody has to bound a field all the way from one to another.
+template <class K>
+concept TearingWarp = Warp<K> && requires(const K k, std::vector<Box3d> images) {
+  { k.torn_images(Box3d{}, images) } -> std::same_as<bool>;
 };
 /// One that can be followed while it changes: `double displacement_from(other, box)` is how far apart two states, and any two
 /// interpolated between them, take a point of the box, in either direction. Others stand in a slab of time.

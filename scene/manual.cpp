@@ -38,6 +38,7 @@ std::string facts_of(const ParameterRules& rules, const T& default_value) {
   if (!range.empty() && is_one_number) type += " " + range;
   std::vector<std::string> facts{type};
   if (!range.empty() && !is_one_number) facts.push_back("each " + range);
+  if (rules.least_count > 1) facts.push_back(fmt::format("at least {}", rules.least_count));
   if (rules.is_nonzero) facts.push_back("not zero");
   if (rules.unit != Unit::none) facts.emplace_back(unit_text(rules.unit));
   if (IsAnimated<T>) facts.push_back("may be animated");
@@ -115,6 +116,8 @@ std::vector<Page> all_pages() {
                           page_of<Shape>("the scene", false),
                           page_of<Library>("the scene", false)};
   FieldKinds::for_each([&]<template <class> class Kind>() { pages.push_back(page_of<Kind<AnimatedMode>>(field_group<Kind>(), true)); });
+  pages.push_back(page_of<AxialAxis<AnimatedMode>>("parts of fields", false));
+  pages.push_back(page_of<AxialFrame<AnimatedMode>>("parts of fields", false));
   append_kinds<SurfaceKinds>(pages, "surfaces");
   append_kinds<GeometryKinds>(pages, "geometry");
   append_kinds<LightKinds>(pages, "lights");

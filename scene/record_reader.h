@@ -63,6 +63,9 @@ public:
   bool read(T& out, const JsonValue& v, const ParameterRules& rules) {
     if (!v.array()) return fail_type(v, rules.name, "a list");
     if (v.array()->empty() && rules.is_required) return fail(v, fmt::format("{} may not be empty", rules.name));
+    if (v.array()->size() < rules.least_count && rules.is_required)
+      return fail(v, fmt::format("{}: expected at least {}, found {}", rules.name, count_of_values(rules.least_count),
+                                 count_of_values(v.array()->size())));
     out.clear();
     bool is_good = true;
     for (const JsonValue& e : *v.array()) {

@@ -20,6 +20,8 @@ Kind<SampledMode> sample_kind(const Kind<AnimatedMode>& animated, double frame) 
         target = source;
       else if constexpr (requires { target.push_back(source.front().at(frame)); })
         for (const auto& element : source) target.push_back(element.at(frame));
+      else if constexpr (requires { source.front().parameters(); }) // records
+        for (const auto& element : source) target.push_back(sample_kind(element, frame));
     };
     (one(animated.*(std::get<I>(from).member), sampled.*(std::get<I>(to).member)), ...);
   };
@@ -28,6 +30,7 @@ Kind<SampledMode> sample_kind(const Kind<AnimatedMode>& animated, double frame) 
   if constexpr (requires { sampled.cloud; }) sampled.cloud = animated.cloud;
   if constexpr (requires { sampled.morph; }) sampled.morph = animated.morph;
   if constexpr (requires { sampled.mesh; }) sampled.mesh = animated.mesh;
+  if constexpr (requires { sampled.prepare(); }) sampled.prepare();
   return sampled;
 }
 
@@ -79,11 +82,17 @@ typename List::template Variant<SampledMode> sample_variant(const typename List:
 /// Adds the frames of all keys of a kind.
 template <class Kind>
 void collect_keys(const Kind& kind, std::set<double>& out) {
+  const auto curve = [&](const auto& value) {
+    if (!value.is_constant())
+      for (const auto& key : value.keys()) out.insert(key.frame);
+  };
   const auto one = [&](const auto& value) {
-    if constexpr (requires { value.is_constant(); }) {
-      if (!value.is_constant())
-        for (const auto& key : value.keys()) out.insert(key.frame);
-    }
+    if constexpr (requires { value.is_constant(); })
+      curve(value);
+    else if constexpr (requires { value.front().is_constant(); })
+      for (const auto& element : value) curve(element);
+    else if constexpr (requires { value.front().parameters(); }) // records
+      for (const auto& element : value) collect_keys(element, out);
   };
   std::apply([&](const auto&... row) { (one(kind.*(row.member)), ...); }, Kind::parameters());
 }

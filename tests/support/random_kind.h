@@ -65,12 +65,32 @@ void randomise(T& member, const ParameterRules& rules, Random& r) {
     for (int i = 0; i < 3; ++i) member[i] = static_cast<float>(r.in(rules.range, reach));
 }
 
+/// An axis from one side of the origin to the other, about as long where it goes.
+inline void randomise(std::vector<AxialAxis<SampledMode>>& axes, const ParameterRules&, Random& r) {
+  axes.resize(r.below(4) ? 1 : 1 + r.below(3));
+  for (AxialAxis<SampledMode>& axis : axes) {
+    const int count = 2 + r.below(5);
+    const Vec3 at(r.in(Box3d{Vec3d(-0.7), Vec3d(0.7)})), along(r.direction());
+    const float swing = float(r.below(6) ? r.log_uniform(0.05, 0.8) : 0.0);
+    for (int i = 0; i < count; ++i) {
+      const Vec3 p = at + along * (float(i) / float(count - 1) - 0.5f) * 2.4f;
+      axis.rest.push_back(p + 0.2f * Vec3(r.direction()));
+      axis.deformed.push_back(p + swing * Vec3(r.direction()));
+    }
+    axis.degree = r.below(6) ? 2 + r.below(2) : 1, axis.normal = Vec3(r.direction());
+    for (int i = r.below(3); i > 0; --i) axis.frames.push_back({float(r.uniform(0, 1)), float(r.uniform(-120, 120))});
+    axis.interpolation = FrameInterpolation(r.below(2));
+    axis.radius = float(r.uniform(0.3, 1)), axis.border = float(r.uniform(0.1, 1));
+  }
+}
+
 /// A sampled kind with random parameters and, where it has files, random contents.
 template <template <class> class Kind>
 Kind<SampledMode> random_kind(Random& r) {
   Kind<SampledMode> kind;
   std::apply([&](const auto&... row) { (randomise(kind.*(row.member), row, r), ...); }, Kind<SampledMode>::parameters());
   if constexpr (requires { kind.cloud; }) kind.cloud = std::make_shared<const BlobCloud>(random_cloud(r, 1 + r.below(9), -1));
+  if constexpr (requires { kind.prepare(); }) kind.prepare();
   if constexpr (requires { kind.morph; })
     kind.morph = std::make_shared<const LiquidMorph>(random_cloud(r, 1 + r.below(9), 0.5), random_cloud(r, 1 + r.below(9), 0.5),
                                                      kind.correspondence, kind.volume);

@@ -169,6 +169,15 @@ reference::Node::Kind reference_kind_of(const Kind& k, bool is_below_blend) {
     if constexpr (std::is_same_v<Kind, Difference<SampledMode>>) return is_smooth ? To::r_subtract : To::subtract;
   }
 }
+inline reference::Axis reference_of(const AxialAxis<SampledMode>& k) {
+  reference::Axis axis;
+  for (const Vec3& p : k.rest) axis.rest.push_back(reference_of(p));
+  for (const Vec3& p : k.deformed) axis.deformed.push_back(reference_of(p));
+  for (const auto& f : k.frames) axis.frames.push_back({f.at, f.angle});
+  axis.degree = k.degree, axis.normal = reference_of(k.normal), axis.is_cosine = k.interpolation == FrameInterpolation::cosine;
+  axis.radius = k.radius, axis.border = k.border;
+  return axis;
+}
 
 /// The subtree at `node`.
 inline reference::NodePtr reference_of(const SampledField& field, unsigned node, bool is_below_blend = false) {
@@ -196,6 +205,11 @@ inline reference::NodePtr reference_of(const SampledField& field, unsigned node,
           out->kind = Kind::bend, out->centre = reference_of(k.centre), out->axis = reference_of(k.axis);
           out->towards = reference_of(k.towards), out->angle = k.angle, out->length = k.length;
           out->children = {reference_of(field, k.child, is_below_blend)};
+        } else if constexpr (std::is_same_v<S, Axial<SampledMode>>) {
+          auto axial = std::make_shared<reference::Axial>();
+          for (const auto& axis : k.axes) axial->axes.push_back(reference_of(axis));
+          axial->prepare();
+          out->kind = Kind::axial, out->axial = axial, out->children = {reference_of(field, k.child, is_below_blend)};
         } else if constexpr (Operator<S>) {
           out->kind = reference_kind_of(k, is_below_blend);
           if constexpr (std::is_same_v<S, HyperBlend<SampledMode>>) out->n = k.n;
