@@ -4,6 +4,10 @@
 #include <concepts>
 
 #include "field/clouds/blobs.h"
+#include "field/complex/generalized_cylinder.h"
+#include "field/complex/patch.h"
+#include "field/complex/revolution.h"
+#include "field/complex/subdivision.h"
 #include "field/operators/blend.h"
 #include "field/operators/difference.h"
 #include "field/operators/hyper_blend.h"
@@ -51,6 +55,10 @@ using FieldFolderKinds = KindList< //
     Tetrahedron,                   //
     Prism,                         //
     Polyhedron,                    //
+    GeneralizedCylinder,           //
+    Patch,                         //
+    Subdivision,                   //
+    Revolution,                    //
     Blobs,                         //
     Blend,                         //
     Union,                         //
@@ -95,6 +103,14 @@ template <class K>
 concept ConeSphereSkeleton = Skeleton<K> && requires(const K k) {
   { k.solid() } -> std::same_as<ConeSphereSolid>;
   k.radius, k.weight, k.falloff;
+};
+/// Becomes a union of skeletons when a frame is compiled: `Divisions divisions() const` says how finely, for its detail, and
+/// `for_each_piece(divisions, emit)` calls emit(skeleton) for as many skeletons, of the same kinds and in the same order, as any
+/// other state of it does for these divisions. They live in a space of their own if it has `Affine parent_from_pieces()`.
+template <class K>
+concept ComplexPrimitive = requires(const K k) {
+  { k.divisions() } -> std::same_as<Divisions>;
+  k.expansion;
 };
 /// Joins the values of its children.
 template <class K>

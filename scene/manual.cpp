@@ -33,7 +33,7 @@ std::string facts_of(const ParameterRules& rules, const T& default_value) {
   std::string type = type_text<T>();
   const std::string range = describe(rules.range);
   const bool is_one_number = type == "number" || type == "whole number";
-  if (rules.is_number_for_all) type += " or a number for all three";
+  if (rules.is_number_for_all) type += IsList<T> ? " or a single one" : " or a number for all three";
   if (!rules.library.empty()) type += fmt::format(" or the name of one of the scene's `{}`", rules.library);
   if (!range.empty() && is_one_number) type += " " + range;
   std::vector<std::string> facts{type};
@@ -75,6 +75,7 @@ constexpr bool k_has_kind<KindList<Kinds...>, Kind> = (std::is_same_v<Kinds<Anim
 template <template <class> class Kind>
 std::string_view field_group() {
   if (k_has_kind<MorphFolderKinds, Kind>) return "fields: morphs";
+  if (ComplexPrimitive<Kind<SampledMode>>) return "fields: complex primitives";
   bool has_child = false, has_children = false, has_file = false;
   for_each_parameter<Kind<AnimatedMode>>([&](const auto& row) {
     using T = MemberOf<decltype(row)>;

@@ -122,6 +122,7 @@ std::string plausible_json(const ParameterRules& rules, const T& value) {
   else if constexpr (std::is_same_v<T, std::string>)
     return fmt::format("\"my {}\"", rules.name);
   else if constexpr (IsList<T>) {
+    if (!rules.example.empty()) return std::string(rules.example);
     using Element = typename ListTrait<T>::Element;
     return fmt::format("[{}]", plausible_json<Element>(rules, Element{}));
   } else if constexpr (Record<T>)

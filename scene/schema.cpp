@@ -64,6 +64,7 @@ Json type_schema(const ParameterRules& rules) {
     Json list{{"type", "array"}, {"items", type_schema<Element>(rules)}};
     if (rules.is_required) list["minItems"] = 1;
     if (NamedEnum<Element>) list["uniqueItems"] = true;
+    if (rules.is_number_for_all) return {{"anyOf", {list, list["items"]}}};
     return list;
   } else if constexpr (IsMap<T>)
     return {{"type", "object"},

@@ -125,7 +125,7 @@ TEST(Conformance, TablesAreSound) {
 TEST(Conformance, EveryKindOfFieldIsOneTheEngineKnows) {
   for_each_field_kind([]<template <class> class Kind>() {
     using K = Kind<SampledMode>;
-    EXPECT_EQ(int(BlobSource<K>) + int(Skeleton<K>) + int(Operator<K>) + int(AffineWarp<K>) + int(Warp<K>), 1);
+    EXPECT_EQ(int(BlobSource<K>) + int(Skeleton<K>) + int(Operator<K>) + int(AffineWarp<K>) + int(Warp<K>) + int(ComplexPrimitive<K>), 1);
   });
 }
 

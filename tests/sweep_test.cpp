@@ -31,6 +31,7 @@ Kind<SampledMode> random_leaf(Random& r) {
   k.radius = random_radius(r);
   k.weight = float(r.below(6) ? 1 + r.log_uniform(0.01, 2) : -r.uniform(0.2, 2));
   make_special(k, r);
+  if constexpr (ComplexPrimitive<Kind<SampledMode>>) k.detail = float(r.log_uniform(0.1, 1)); // a few dozen pieces
   return k;
 }
 

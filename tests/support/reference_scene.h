@@ -170,6 +170,27 @@ reference::Node::Kind reference_kind_of(const Kind& k, bool is_below_blend) {
   }
 }
 
+/// The pieces of a complex primitive, as finely divided as it asks for.
+template <ComplexPrimitive Kind>
+std::vector<reference::NodePtr> reference_pieces(const Kind& kind) {
+  std::vector<reference::NodePtr> pieces;
+  kind.for_each_piece(kind.divisions(), [&](const auto& piece) {
+    const auto node = std::make_shared<reference::Node>();
+    node->leaves = {reference_of(piece)};
+    pieces.push_back(node);
+  });
+  return pieces;
+}
+
+inline std::shared_ptr<reference::Node> reference_below(const Affine& child_from_parent, const reference::NodePtr& child) {
+  auto out = std::make_shared<reference::Node>();
+  out->kind = reference::Node::Kind::warp, out->children = {child};
+  const Mat3d rows = glm::transpose(child_from_parent.linear);
+  for (int i = 0; i < 3; ++i) out->child_from_parent.rows[i] = {rows[i].x, rows[i].y, rows[i].z};
+  out->child_from_parent.offset = {child_from_parent.offset.x, child_from_parent.offset.y, child_from_parent.offset.z};
+  return out;
+}
+
 /// The subtree at `node`.
 inline reference::NodePtr reference_of(const SampledField& field, unsigned node, bool is_below_blend = false) {
   using Kind = reference::Node::Kind;
@@ -183,6 +204,9 @@ inline reference::NodePtr reference_of(const SampledField& field, unsigned node,
           for (const Blob& b : cloud) out->leaves.push_back(reference_of(b));
         } else if constexpr (Skeleton<S>) {
           out->leaves = {reference_of(k)};
+        } else if constexpr (ComplexPrimitive<S>) {
+          out->kind = Kind::unite, out->children = reference_pieces(k);
+          if constexpr (requires { k.parent_from_pieces(); }) out = reference_below(inverse(k.parent_from_pieces()), out);
         } else if constexpr (AffineWarp<S>) {
           out->kind = Kind::warp, out->child_from_parent = reference_inverse(k),
           out->children = {reference_of(field, k.child, is_below_blend)};
