@@ -27,15 +27,18 @@ template <class T>
 class Animated {
 public:
   Animated() = default;
-  Animated(T constant) : keys_{{0, std::move(constant), {}}} {} // NOLINT: a value is an animated value
-  Animated(std::vector<Key<T>> keys, Interpolation how) : keys_(std::move(keys)), interpolation_(how) {}
+  Animated(T constant) : constant_(std::move(constant)) {} // NOLINT: a value is an animated value
+  Animated(std::vector<Key<T>> keys, Interpolation how) : keys_(std::move(keys)), interpolation_(how) {
+    if (!keys_.empty()) constant_ = keys_.front().value;
+  }
 
   bool is_constant() const { return keys_.size() < 2; }
+  /// None where it was given as a constant.
   const std::vector<Key<T>>& keys() const { return keys_; }
   Interpolation interpolation() const { return interpolation_; }
 
   T at(double frame) const {
-    if (keys_.empty()) return T{};
+    if (is_constant()) return constant_;
     if (frame <= keys_.front().frame) return keys_.front().value;
     if (frame >= keys_.back().frame) return keys_.back().value;
     const auto next = std::upper_bound(keys_.begin(), keys_.end(), frame, [](double f, const Key<T>& k) { return f < k.frame; });
@@ -75,6 +78,7 @@ private:
     return sum;
   }
 
+  T constant_{}; ///< here and not in a key: most values are constants, and a frame asks for all of them
   std::vector<Key<T>> keys_;
   Interpolation interpolation_ = Interpolation::linear;
 };

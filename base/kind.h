@@ -14,6 +14,7 @@
 #include <array>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -29,18 +30,29 @@ struct FieldNode; // defined where all lists of field kinds meet: scene/field_no
 
 using FieldPtr = std::shared_ptr<FieldNode>;
 
-/// As written in a scene: numbers are curves, children are nodes.
+/// A file that the scene names. `path` is as written; `resolved` is filled by the reader.
+struct AssetPath {
+  std::string path;
+  std::string resolved;
+  bool is_set() const { return !path.empty(); }
+  friend bool operator==(const AssetPath&, const AssetPath&) = default;
+};
+
+/// As written in a scene: numbers are curves, children are nodes, files have names.
 struct AnimatedMode {
   template <class T>
   using Value = Animated<T>;
+  using File = AssetPath;
   using Child = FieldPtr;
   using Children = std::vector<FieldPtr>;
 };
 
-/// At one moment: numbers are numbers, children are indices into the sampled field's node array.
+/// At one moment: numbers are numbers, children are indices into the sampled field's node array, and of files there is what was in
+/// them only: nodes are many, and small.
 struct SampledMode {
   template <class T>
   using Value = T;
+  struct File {};
   using Child = unsigned;
   using Children = std::vector<unsigned>;
 };
@@ -68,14 +80,15 @@ struct ParameterRules {
   Range range{};                  ///< of a number, or of each component of a vector or colour
   bool is_required = false;       ///< with an alternative: one of the two is required
   bool is_nonzero = false;        ///< a direction: the zero vector has none
-  bool is_number_for_all = false; ///< a vector that may be given as one number for all components
+  bool is_number_for_all = false; ///< a vector that may be given as one number for all components, or a list as one element for all
+  size_t least_count = 1;         ///< of the elements of a required list
   std::string_view alternative{}; ///< the parameter that excludes this one
-  std::string_view example{};     ///< of a required file or part: a name in examples
+  std::string_view example{};     ///< of a required file or part: a name in examples; of a required list: one, as JSON
   std::string_view library{};     ///< where the scene keeps values that this one may be by name: "surfaces"
 };
 
 /// One row of a kind's table. `T` is the member's type: Value<Mode, float|Vec3|Colour>, int, double, bool,
-/// std::string, AssetPath, PartName, Vec2i, an enumeration with EnumNames, Mode::Child, Mode::Children, the variant of
+/// std::string, Mode::File, PartName, Vec2i, an enumeration with EnumNames, Mode::Child, Mode::Children, the variant of
 /// a KindList, another struct with a table, or a std::vector or std::optional of such, or a std::map by name.
 template <class Owner, class T>
 struct Parameter : ParameterRules {
@@ -125,9 +138,14 @@ struct Parameter : ParameterRules {
     p.is_number_for_all = true;
     return p;
   }
-  constexpr Parameter such_as(std::string_view name_in_examples) const {
+  constexpr Parameter of_at_least(size_t count) const {
     auto p = *this;
-    p.example = name_in_examples;
+    p.least_count = count;
+    return p;
+  }
+  constexpr Parameter such_as(std::string_view what) const {
+    auto p = *this;
+    p.example = what;
     return p;
   }
   /// May be given as a name that the scene's object `where` explains.
@@ -161,16 +179,16 @@ bool is_equal(const Kind& a, const Kind& b) {
   if constexpr (requires { a.morph; }) equal = equal && a.morph == b.morph;
   if constexpr (requires { a.mesh; }) equal = equal && a.mesh == b.mesh;
   if constexpr (requires { a.child; }) equal = equal && a.child == b.child;
+  if constexpr (requires { a.divisions(); }) equal = equal && a.divisions() == b.divisions(); // as finely divided
   if constexpr (requires { a.grid; }) equal = equal && a.grid == b.grid;
   return equal;
 }
 
-/// A file that the scene names. `path` is as written; `resolved` is filled by the reader.
-struct AssetPath {
-  std::string path;
-  std::string resolved;
-  bool is_set() const { return !path.empty(); }
-  friend bool operator==(const AssetPath&, const AssetPath&) = default;
+/// What is wrong with parameters that are each fine by themselves. A kind that may have such a problem says so:
+/// `std::optional<ParameterProblem> problem() const`.
+struct ParameterProblem {
+  std::string_view parameter; ///< where the problem lies
+  std::string message;
 };
 
 /// The name of one of the scene's parts.

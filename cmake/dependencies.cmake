@@ -17,4 +17,6 @@ find_package(hwy REQUIRED)
 # Debian's OpenColorIO config file sets a wrong prefix; its pkg-config file is right.
 pkg_check_modules(OCIO REQUIRED IMPORTED_TARGET OpenColorIO)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
+# OpenSubdiv's config file asks for a static library that Debian does not have.
+find_library(OSD_CPU osdCPU REQUIRED)
 find_library(QHULL_R qhull_r REQUIRED)

@@ -4,6 +4,10 @@
 #include <concepts>
 
 #include "field/clouds/blobs.h"
+#include "field/complex/generalized_cylinder.h"
+#include "field/complex/patch.h"
+#include "field/complex/revolution.h"
+#include "field/complex/subdivision.h"
 #include "field/distances/box.h"
 #include "field/distances/capsule.h"
 #include "field/distances/cylinder.h"
@@ -27,6 +31,7 @@
 #include "field/skeletons/hollow_cone.h"
 #include "field/skeletons/point.h"
 #include "field/skeletons/polyhedron.h"
+#include "field/skeletons/potential.h"
 #include "field/skeletons/prism.h"
 #include "field/skeletons/rectangle.h"
 #include "field/skeletons/segment.h"
@@ -34,6 +39,7 @@
 #include "field/skeletons/torus.h"
 #include "field/skeletons/triangle.h"
 #include "field/warps/affine.h"
+#include "field/warps/axial.h"
 #include "field/warps/bend.h"
 #include "field/warps/instance.h"
 #include "field/warps/taper.h"
@@ -58,6 +64,10 @@ using FieldFolderKinds = KindList< //
     Tetrahedron,                   //
     Prism,                         //
     Polyhedron,                    //
+    GeneralizedCylinder,           //
+    Patch,                         //
+    Subdivision,                   //
+    Revolution,                    //
     SdfSphere,                     //
     SdfBox,                        //
     SdfCylinder,                   //
@@ -78,7 +88,8 @@ using FieldFolderKinds = KindList< //
     Instance,                      //
     Twist,                         //
     Bend,                          //
-    Taper>;
+    Taper,                         //
+    Axial>;
 
 // What a sampled kind can be asked, and so how the engine treats it:
 
@@ -88,35 +99,40 @@ template <class K>
 concept BlobSource = requires(const K k, BlobCloud out) {
   k.append_blobs(out);
 };
-/// A leaf: `Box3 support()`, and `Real potential(Point3<Real>)` for double, Interval and Dual. A signed distance (field/distances) may
-/// say that its potential counts in thresholds of the shape.
+/// A leaf with a solid: `Box3 support()`, and `solid()`, to which squared_distance(solid, Point3<Real>) is exact for double, Interval
+/// and Dual. The potential is weight * falloff(d^2 / radius^2) (field/skeletons/potential.h).
 template <class K>
-concept Skeleton = requires(const K k, Point3<double> p, Point3<Interval> b) {
+concept SolidSkeleton = requires(const K k, Point3<double> p, Point3<Interval> b) {
   k.support();
-  k.potential(p);
-  k.potential(b);
+  squared_distance(k.solid(), p);
+  squared_distance(k.solid(), b);
+  k.radius, k.weight, k.falloff;
 };
+/// A leaf that is a signed distance (field/distances/distance_field.h), and may count in thresholds of the shape.
+template <class K>
+concept SignedDistance = requires(const K k, Point3<double> p, Point3<Interval> b) {
+  k.support();
+  k.signed_distance(p);
+  k.signed_distance(b);
+  k.is_in_thresholds();
+};
+/// Any leaf that is no cloud: potential(kind, Point3<Real>) for double, Interval and Dual is 0 outside `Box3 support()`.
+template <class K>
+concept Skeleton = SolidSkeleton<K> || SignedDistance<K>;
 /// A skeleton that can be followed while it changes: `double displacement_from(other)` is how far its solid moves between
 /// two states, and any two states whose numbers are interpolated linearly between theirs (the Hausdorff distance; a bound
-/// will do; of a signed distance that of the surfaces). The potential is weight * falloff(d^2 / radius^2), d the distance to the solid.
-/// Others stand in a slab of time.
+/// will do; of a signed distance that of the surfaces). Others stand in a slab of time.
 template <class K>
 concept MovingSkeleton = Skeleton<K> && requires(const K k) {
   k.displacement_from(k);
-  k.radius, k.weight, k.falloff;
 };
-/// A leaf that is a signed distance: field/distances/distance_field.h.
+/// Becomes a union of skeletons when a frame is compiled: `Divisions divisions() const` says how finely, for its detail, and
+/// `for_each_piece(divisions, emit)` calls emit(skeleton) for as many skeletons, of the same kinds and in the same order, as any
+/// other state of it does for these divisions. They live in a space of their own if it has `Affine parent_from_pieces()`.
 template <class K>
-concept SignedDistance = Skeleton<K> && requires(const K k, Point3<double> p) {
-  k.signed_distance(p);
-  k.is_in_thresholds();
-};
-/// A skeleton whose potential is weight * falloff(d^2/radius^2) of the distance to a cone-sphere:
-/// `ConeSphereSolid solid()`.
-template <class K>
-concept ConeSphereSkeleton = Skeleton<K> && requires(const K k) {
-  { k.solid() } -> std::same_as<ConeSphereSolid>;
-  k.radius, k.weight, k.falloff;
+concept ComplexPrimitive = requires(const K k) {
+  { k.divisions() } -> std::same_as<Divisions>;
+  k.expansion;
 };
 /// Joins the values of its children.
 template <class K>
@@ -137,6 +153,12 @@ concept Warp = requires(const K k, Point3<double> p, Point3<Interval> b) {
   k.child_from_parent(b);
   k.parent_from_child(p);
   k.image_of(Box3d{});
+};
+/// One that tears space: where a box meets a tear, `bool torn_images(Box3d, std::vector<Box3d>&)` yields boxes that hold all its
+/// images but those that are nowhere, where no field is; so that nobody has to bound a field all the way from one to another.
+template <class K>
+concept TearingWarp = Warp<K> && requires(const K k, std::vector<Box3d> images) {
+  { k.torn_images(Box3d{}, images) } -> std::same_as<bool>;
 };
 /// One that can be followed while it changes: `double displacement_from(other, box)` is how far apart two states, and any two
 /// interpolated between them, take a point of the box, in either direction. Others stand in a slab of time.

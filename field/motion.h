@@ -15,12 +15,18 @@ namespace kelpie {
 inline float interpolate(float a, float b, double u) { return a + (b - a) * static_cast<float>(u); }
 inline Vec3 interpolate(const Vec3& a, const Vec3& b, double u) { return a + (b - a) * static_cast<float>(u); }
 
-/// Calls visit(row) for every parameter of a sampled kind that is a number, and so may move.
+/// As many as both have.
+inline std::vector<Vec3> interpolate(std::vector<Vec3> a, const std::vector<Vec3>& b, double u) {
+  for (size_t i = 0; i < std::min(a.size(), b.size()); ++i) a[i] = interpolate(a[i], b[i], u);
+  return a;
+}
+
+/// Calls visit(row) for every parameter of a sampled kind that is a number or a list of places, and so may move.
 template <class Kind, class Visit>
 void for_each_number(Visit&& visit) {
   const auto one = [&](const auto& row) {
     using T = std::decay_t<decltype(std::declval<Kind>().*(row.member))>;
-    if constexpr (std::is_same_v<T, float> || std::is_same_v<T, Vec3>) visit(row);
+    if constexpr (std::is_same_v<T, float> || std::is_same_v<T, Vec3> || std::is_same_v<T, std::vector<Vec3>>) visit(row);
   };
   std::apply([&](const auto&... rows) { (one(rows), ...); }, Kind::parameters());
 }

@@ -27,6 +27,7 @@ Scene trial_of(const Scene& scene) {
   Scene trial = scene;
   Film<AnimatedMode>& film = trial.film;
   film.spp = std::min(film.spp, 4);
+  trial.detail_height = film.resolution.y; // as many elements
   const double pixels = static_cast<double>(film.resolution.x) * film.resolution.y, wanted = k_trial_samples / film.spp;
   if (pixels > wanted) film.resolution = glm::max(Vec2i(8), Vec2i(glm::dvec2(film.resolution) * std::sqrt(wanted / pixels)));
   return trial;

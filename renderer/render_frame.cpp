@@ -44,6 +44,7 @@ RenderedFrame render_frame(const Scene& scene, double number, const PixelBox& wi
   int coarsenings = 0;
   const Tracer tracer = build_tracer(frame, context, coarsenings);
   const double cpu_built = process_cpu_s();
+  const AxisWork axis_before = all_axis_work();
   IntegrateResult pixels = integrate(frame, tracer, lights, window, context.progress, context.stop);
   const double cpu_rendered = process_cpu_s();
 
@@ -67,7 +68,8 @@ RenderedFrame render_frame(const Scene& scene, double number, const PixelBox& wi
                tracer.element_count(),
                tracer.bytes(),
                tracer.kept_cell_count(),
-               coarsenings};
+               coarsenings,
+               all_axis_work() - axis_before};
   return out;
 }
 

@@ -33,9 +33,13 @@ void for_each_child(const FieldNode& node, Visit&& visit) {
 /// one time offset share its nodes.
 struct SampledField {
   std::vector<FieldKinds::Variant<SampledMode>> nodes;
+  /// As many nodes stand behind the root: what complex primitives were expanded to (renderer/program/expand.h).
+  size_t piece_count = 0;
+
+  size_t root() const { return nodes.size() - piece_count - 1; }
 };
 
-/// Whether two fields are the same throughout.
+/// Whether two fields are the same throughout; expanded or not.
 bool is_equal(const SampledField&, const SampledField&);
 
 } // namespace kelpie

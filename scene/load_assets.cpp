@@ -31,6 +31,16 @@ public:
     k.mesh = loaded;
   }
 
+  void load(Subdivision<AnimatedMode>& k, const JsonValue& source) {
+    if (k.file.resolved.empty()) return;
+    const auto [entry, is_new] = subdivisions_.try_emplace({k.file.resolved, k.levels});
+    std::shared_ptr<const SubdivisionMesh>& loaded = entry->second;
+    if (is_new)
+      attempt(*source.find("file"),
+              [&] { loaded = std::make_shared<const SubdivisionMesh>(load_subdivision_mesh(k.file.resolved, k.levels, diagnostics_)); });
+    k.mesh = loaded;
+  }
+
   void load(SdfMesh<AnimatedMode>& k, const JsonValue& source) {
     if (k.file.resolved.empty()) return;
     double reach = 0; // at any time
@@ -70,7 +80,8 @@ private:
   ProblemList& problems_;
   Diagnostics& diagnostics_;
   std::map<std::string, CloudPtr> clouds_;
-  std::map<std::pair<std::string, float>, std::shared_ptr<const SurfaceMesh>> meshes_;           ///< by file and crease
+  std::map<std::pair<std::string, float>, std::shared_ptr<const SurfaceMesh>> meshes_;         ///< by file and crease
+  std::map<std::pair<std::string, int>, std::shared_ptr<const SubdivisionMesh>> subdivisions_; ///< by file and levels
   std::map<std::tuple<std::string, double, double>, std::shared_ptr<const DistanceGrid>> grids_; ///< by file, voxel and reach
 };
 

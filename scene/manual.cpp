@@ -33,11 +33,12 @@ std::string facts_of(const ParameterRules& rules, const T& default_value) {
   std::string type = type_text<T>();
   const std::string range = describe(rules.range);
   const bool is_one_number = type == "number" || type == "whole number";
-  if (rules.is_number_for_all) type += " or a number for all three";
+  if (rules.is_number_for_all) type += IsList<T> ? " or a single one" : " or a number for all three";
   if (!rules.library.empty()) type += fmt::format(" or the name of one of the scene's `{}`", rules.library);
   if (!range.empty() && is_one_number) type += " " + range;
   std::vector<std::string> facts{type};
   if (!range.empty() && !is_one_number) facts.push_back("each " + range);
+  if (rules.least_count > 1) facts.push_back(fmt::format("at least {}", rules.least_count));
   if (rules.is_nonzero) facts.push_back("not zero");
   if (rules.unit != Unit::none) facts.emplace_back(unit_text(rules.unit));
   if (IsAnimated<T>) facts.push_back("may be animated");
@@ -75,6 +76,7 @@ constexpr bool k_has_kind<KindList<Kinds...>, Kind> = (std::is_same_v<Kinds<Anim
 template <template <class> class Kind>
 std::string_view field_group() {
   if (k_has_kind<MorphFolderKinds, Kind>) return "fields: morphs";
+  if (ComplexPrimitive<Kind<SampledMode>>) return "fields: complex primitives";
   bool has_child = false, has_children = false, has_file = false;
   for_each_parameter<Kind<AnimatedMode>>([&](const auto& row) {
     using T = MemberOf<decltype(row)>;
@@ -116,6 +118,8 @@ std::vector<Page> all_pages() {
                           page_of<Shape>("the scene", false),
                           page_of<Library>("the scene", false)};
   FieldKinds::for_each([&]<template <class> class Kind>() { pages.push_back(page_of<Kind<AnimatedMode>>(field_group<Kind>(), true)); });
+  pages.push_back(page_of<AxialAxis<AnimatedMode>>("parts of fields", false));
+  pages.push_back(page_of<AxialFrame<AnimatedMode>>("parts of fields", false));
   append_kinds<SurfaceKinds>(pages, "surfaces");
   append_kinds<GeometryKinds>(pages, "geometry");
   append_kinds<LightKinds>(pages, "lights");

@@ -122,8 +122,9 @@ std::string plausible_json(const ParameterRules& rules, const T& value) {
   else if constexpr (std::is_same_v<T, std::string>)
     return fmt::format("\"my {}\"", rules.name);
   else if constexpr (IsList<T>) {
+    if (!rules.example.empty()) return std::string(rules.example);
     using Element = typename ListTrait<T>::Element;
-    return fmt::format("[{}]", plausible_json<Element>(rules, Element{}));
+    return fmt::format("[{}]", fmt::join(std::vector(rules.least_count, plausible_json<Element>(rules, Element{})), ", "));
   } else if constexpr (Record<T>)
     return minimal_json<T>(false);
   else

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "scene/check_axes.h"
 #include "scene/check_scene.h"
 #include "scene/include_files.h"
 #include "scene/library.h"
@@ -43,9 +44,11 @@ Scene read_scene(const std::string& path, const ReadOptions& options, Diagnostic
   check_names(document, problems);
   link_parts(reader.nodes(), scene, document, problems);
   if (problems.is_empty()) check_scene(scene, document, problems);
+  check_axes(reader.nodes(), document, problems);
   load_assets(reader.nodes(), scene, document, options.use_cache, problems, diagnostics);
   if (problems.is_empty()) check_size(scene, problems);
   problems.throw_if_any();
+  warn_of_folds(reader.nodes(), document, diagnostics);
 
   // A picture is never black because nobody thought of light.
   if (scene.lights.empty()) scene.lights.push_back(EnvironmentLight<AnimatedMode>{});

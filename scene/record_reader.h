@@ -61,8 +61,15 @@ public:
 
   template <IsList T>
   bool read(T& out, const JsonValue& v, const ParameterRules& rules) {
+    if (!v.array() && rules.is_number_for_all) {
+      out.resize(1);
+      return read(out.front(), v, rules);
+    }
     if (!v.array()) return fail_type(v, rules.name, "a list");
     if (v.array()->empty() && rules.is_required) return fail(v, fmt::format("{} may not be empty", rules.name));
+    if (v.array()->size() < rules.least_count && rules.is_required)
+      return fail(v, fmt::format("{}: expected at least {}, found {}", rules.name, count_of_values(rules.least_count),
+                                 count_of_values(v.array()->size())));
     out.clear();
     bool is_good = true;
     for (const JsonValue& e : *v.array()) {
@@ -112,6 +119,12 @@ private:
     if (known < v.object()->size()) is_good &= check_keys<T>(v, owner, is_kind);
     for_each_parameter<T>([&](const auto& row) { is_good &= check_presence(v, owner, row); });
     if constexpr (requires { out.where = where(v); }) out.where = where(v);
+    if constexpr (requires { out.problem(); })
+      if (is_good)
+        if (const std::optional<ParameterProblem> problem = out.problem()) {
+          const JsonValue* at = v.find(problem->parameter);
+          is_good = fail(at ? *at : v, problem->message);
+        }
     return is_good;
   }
 

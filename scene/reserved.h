@@ -18,7 +18,6 @@ struct Reserved {
 };
 
 inline constexpr std::array k_reserved{
-    Reserved{ReservedAs::kind, "field", "axial"},
     Reserved{ReservedAs::kind, "surface", "glass"},
     Reserved{ReservedAs::key, "shape", "texture"},
     Reserved{ReservedAs::value, "aovs", "cryptomatte"},

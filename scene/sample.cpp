@@ -1,3 +1,6 @@
+#include <cmath>
+#include <map>
+#include <numeric>
 #include <set>
 
 #include "scene/scene.h"
@@ -5,6 +8,9 @@
 namespace kelpie {
 
 namespace {
+
+/// What stands for a frame where the shutter is closed: long enough that float numbers tell its ends apart.
+constexpr double k_moment = 1.0 / 256;
 
 /// Copies every parameter of a kind, animated values at `frame`. Children are for the caller to link.
 template <template <class> class Kind>
@@ -20,6 +26,8 @@ Kind<SampledMode> sample_kind(const Kind<AnimatedMode>& animated, double frame) 
         target = source;
       else if constexpr (requires { target.push_back(source.front().at(frame)); })
         for (const auto& element : source) target.push_back(element.at(frame));
+      else if constexpr (requires { source.front().parameters(); }) // records
+        for (const auto& element : source) target.push_back(sample_kind(element, frame));
     };
     (one(animated.*(std::get<I>(from).member), sampled.*(std::get<I>(to).member)), ...);
   };
@@ -29,6 +37,7 @@ Kind<SampledMode> sample_kind(const Kind<AnimatedMode>& animated, double frame) 
   if constexpr (requires { sampled.morph; }) sampled.morph = animated.morph;
   if constexpr (requires { sampled.mesh; }) sampled.mesh = animated.mesh;
   if constexpr (requires { sampled.grid; }) sampled.grid = animated.grid;
+  if constexpr (requires { sampled.prepare(); }) sampled.prepare();
   return sampled;
 }
 
@@ -77,39 +86,98 @@ typename List::template Variant<SampledMode> sample_variant(const typename List:
                     v);
 }
 
-/// Adds the frames of all keys of a kind.
-template <class Kind>
-void collect_keys(const Kind& kind, std::set<double>& out) {
-  const auto one = [&](const auto& value) {
-    if constexpr (requires { value.is_constant(); }) {
-      if (!value.is_constant())
-        for (const auto& key : value.keys()) out.insert(key.frame);
-    }
-  };
-  std::apply([&](const auto&... row) { (one(kind.*(row.member)), ...); }, Kind::parameters());
-}
-
-/// The frames of all keys of fields.
-class KeyCollector {
+/// The keys of whatever is looked at: all that matters of them while the shutter is open.
+class Keys {
 public:
-  void add(const FieldNode& node, std::set<double>& out) {
-    std::visit([&](const auto& kind) { collect_keys(kind, out); }, node.kind);
-    for_each_child(node, [&](const FieldPtr& child) { add(*child, out); });
-    if (const auto* instance = std::get_if<Instance<AnimatedMode>>(&node.kind))
-      for (const double frame : keys_of(*instance->child)) out.insert(frame + instance->time_offset);
+  Keys(double frame, double reach) : from_(frame - reach), to_(frame + reach) {}
+
+  bool are_there() const { return are_there_; }
+  /// The frames of those that the shutter may see, ascending.
+  std::vector<double> breaks() const { return {breaks_.begin(), breaks_.end()}; }
+
+  template <class T>
+  void add(const Animated<T>& value, double time_offset = 0) {
+    if (value.is_constant()) return;
+    are_there_ = true;
+    for (const Key<T>& key : value.keys())
+      if (const double at = key.frame + time_offset; at >= from_ && at <= to_) breaks_.insert(at);
+  }
+  template <class Kind>
+  void add_kind(const Kind& kind, double time_offset = 0) {
+    const auto one = [&](const auto& value) {
+      if constexpr (requires { add(value); })
+        add(value, time_offset);
+      else if constexpr (requires { add(value.front()); })
+        for (const auto& element : value) add(element, time_offset);
+      else if constexpr (requires { value.front().parameters(); }) // records
+        for (const auto& element : value) add_kind(element, time_offset);
+    };
+    std::apply([&](const auto&... row) { (one(kind.*(row.member)), ...); }, Kind::parameters());
+  }
+  /// Of a node and of what is below it, moved in time.
+  void add_tree(const FieldNode& node, double time_offset = 0) {
+    std::visit([&](const auto& kind) { add_kind(kind, time_offset); }, node.kind);
+    for_each_child(node, [&](const FieldPtr& child) { add_tree(*child, time_offset); });
+    if (const auto* instance = std::get_if<Instance<AnimatedMode>>(&node.kind)) {
+      const double offset = time_offset + instance->time_offset;
+      if (parts_.insert({instance->child.get(), offset}).second) add_tree(*instance->child, offset);
+    }
   }
 
 private:
-  const std::set<double>& keys_of(const FieldNode& part) {
-    const auto found = parts_.find(&part);
-    if (found != parts_.end()) return found->second;
-    std::set<double> keys;
-    add(part, keys);
-    return parts_.emplace(&part, std::move(keys)).first->second;
-  }
-
-  std::map<const FieldNode*, std::set<double>> parts_; ///< in their own time
+  double from_, to_;
+  bool are_there_ = false;
+  std::set<double> breaks_;
+  std::set<std::pair<const FieldNode*, double>> parts_; ///< those that were looked at, by their offset
 };
+
+/// The least factor by which a map with perpendicular columns scales, as a part of the largest.
+double evenness(const Mat3d& m) {
+  const Vec3d lengths(glm::length(m[0]), glm::length(m[1]), glm::length(m[2]));
+  return std::min({lengths.x, lengths.y, lengths.z}) / std::max({lengths.x, lengths.y, lengths.z});
+}
+
+bool is_complex(const FieldKinds::Variant<SampledMode>& node) {
+  return std::visit([]<class Kind>(const Kind&) { return ComplexPrimitive<Kind>; }, node);
+}
+
+/// One that is shared by several instances is as fine as the finest of them.
+template <ComplexPrimitive Kind>
+void see(Kind& kind, const PixelScale& scale) {
+  const PixelScale other = kind.expansion.pixels;
+  const bool is_shared = other.per_distance > 0;
+  const auto count = [&] {
+    const Divisions divisions = kind.divisions();
+    return std::accumulate(divisions.begin(), divisions.end(), uint64_t(0));
+  };
+  const uint64_t before = is_shared ? count() : 0;
+  kind.expansion.pixels = scale;
+  if (is_shared && count() < before) kind.expansion.pixels = other;
+}
+
+/// Tells the complex primitives of the subtree at `index` how the camera sees them. `scale` is seen from the node's space.
+void see(SampledField& field, size_t index, const PixelScale& scale) {
+  std::visit(
+      [&]<class Kind>(Kind& kind) {
+        if constexpr (ComplexPrimitive<Kind>) {
+          see(kind, scale);
+        } else if constexpr (AffineWarp<Kind>) {
+          // Exact for similarities; else on the safe side: errors are stretched most where distances are least.
+          const Affine child_from_here = inverse(kind.parent_from_child());
+          see(field, kind.child, {Vec3(child_from_here(Vec3d(scale.eye))), scale.per_distance * float(evenness(child_from_here.linear))});
+        } else if constexpr (Warp<Kind>) {
+          const Point3<double> eye = kind.child_from_parent(Point3<double>{scale.eye.x, scale.eye.y, scale.eye.z});
+          see(field, kind.child, {Vec3(eye.x, eye.y, eye.z), scale.per_distance});
+        } else if constexpr (Operator<Kind>) {
+          for (const unsigned operand : operands_of(kind)) see(field, operand, scale);
+        }
+      },
+      field.nodes[index]);
+}
+
+PixelScale pixel_scale(const Camera<SampledMode>& camera, int height) {
+  return {camera.position, float(2 * std::tan(glm::radians(0.5 * double(camera.fov))) / height)};
+}
 
 FrameScene sample_moment(const Scene& scene, double frame) {
   FrameScene out;
@@ -117,9 +185,13 @@ FrameScene sample_moment(const Scene& scene, double frame) {
   out.camera = sample_kind(scene.camera, frame);
   out.film = sample_kind(scene.film, frame);
   for (const auto& light : scene.lights) out.lights.push_back(sample_variant<LightKinds>(light, frame));
+  const PixelScale pixels = pixel_scale(out.camera, scene.detail_height > 0 ? scene.detail_height : out.film.resolution.y);
   for (const Shape& shape : scene.shapes) {
     SampledShape s{shape.name, shape.threshold.at(frame), {}, {}, sample_variant<SurfaceKinds>(shape.surface, frame)};
-    if (shape.field) FieldSampler(frame, s.field).add(*shape.field);
+    if (shape.field) {
+      FieldSampler(frame, s.field).add(*shape.field);
+      if (std::any_of(s.field.nodes.begin(), s.field.nodes.end(), is_complex)) see(s.field, s.field.root(), pixels);
+    }
     if (shape.geometry) s.geometry = sample_variant<GeometryKinds>(*shape.geometry, frame);
     out.shapes.push_back(std::move(s));
   }
@@ -129,32 +201,29 @@ FrameScene sample_moment(const Scene& scene, double frame) {
 } // namespace
 
 bool is_equal(const SampledField& a, const SampledField& b) {
-  return std::equal(a.nodes.begin(), a.nodes.end(), b.nodes.begin(), b.nodes.end(), [](const auto& x, const auto& y) {
+  const auto end = [](const SampledField& field) { return field.nodes.end() - std::ptrdiff_t(field.piece_count); };
+  return std::equal(a.nodes.begin(), end(a), b.nodes.begin(), end(b), [](const auto& x, const auto& y) {
     return x.index() == y.index() && std::visit([&]<class Kind>(const Kind& kind) { return is_equal(kind, std::get<Kind>(y)); }, x);
   });
 }
 
 FrameScene sample(const Scene& scene, double frame) {
   FrameScene out = sample_moment(scene, frame);
-  std::set<double> keys, camera_keys;
-  KeyCollector fields;
+  Keys keys(frame, std::max(0.5 * double(out.camera.shutter), k_moment)), camera_keys = keys;
   for (const Shape& shape : scene.shapes) {
-    if (!shape.threshold.is_constant())
-      for (const auto& key : shape.threshold.keys()) keys.insert(key.frame);
-    if (shape.field) fields.add(*shape.field, keys);
-    if (shape.geometry) std::visit([&](const auto& kind) { collect_keys(kind, keys); }, *shape.geometry);
+    keys.add(shape.threshold);
+    if (shape.field) keys.add_tree(*shape.field);
+    if (shape.geometry) std::visit([&](const auto& kind) { keys.add_kind(kind); }, *shape.geometry);
   }
-  collect_keys(scene.camera, camera_keys);
-  out.breaks.assign(keys.begin(), keys.end());
-  if (!keys.empty() || !camera_keys.empty()) out.moment = [&scene](double at) { return sample_moment(scene, at); };
+  camera_keys.add_kind(scene.camera);
+  out.breaks = keys.breaks();
+  if (keys.are_there() || camera_keys.are_there()) out.moment = [&scene](double at) { return sample_moment(scene, at); };
   return out;
 }
 
 Exposure FrameScene::exposure() const {
   if (!moment) return {frame, 0};
   if (camera.shutter > 0) return {frame - 0.5 * camera.shutter, camera.shutter};
-  // Long enough that float numbers tell its ends apart, short enough to stand for the frame.
-  constexpr double k_moment = 1.0 / 256;
   const bool wants_motion = std::find(film.aovs.begin(), film.aovs.end(), Aov::motion) != film.aovs.end();
   return {frame, wants_motion ? k_moment : 0};
 }

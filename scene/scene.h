@@ -77,6 +77,8 @@ World space is right-handed, y up. Files that a scene names are relative to it.)
   Film<AnimatedMode> film;
   std::vector<Light> lights;
   std::vector<Shape> shapes;
+  /// The height, in pixels, of the picture that decides how fine details in pixels are; 0: that of the film.
+  int detail_height = 0;
   /// Hash of everything that pictures depend on: the document and the bytes of its assets.
   std::string hash;
 

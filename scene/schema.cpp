@@ -62,8 +62,9 @@ Json type_schema(const ParameterRules& rules) {
   else if constexpr (IsList<T>) {
     using Element = typename ListTrait<T>::Element;
     Json list{{"type", "array"}, {"items", type_schema<Element>(rules)}};
-    if (rules.is_required) list["minItems"] = 1;
+    if (rules.is_required) list["minItems"] = rules.least_count;
     if (NamedEnum<Element>) list["uniqueItems"] = true;
+    if (rules.is_number_for_all) return {{"anyOf", {list, list["items"]}}};
     return list;
   } else if constexpr (IsMap<T>)
     return {{"type", "object"},
@@ -146,6 +147,8 @@ std::string json_schema() {
   define_record<Film<AnimatedMode>>(definitions);
   define_record<Shape>(definitions);
   define_record<Library>(definitions);
+  define_record<AxialAxis<AnimatedMode>>(definitions);
+  define_record<AxialFrame<AnimatedMode>>(definitions);
   define_kinds<FieldKinds>(definitions);
   define_kinds<SurfaceKinds>(definitions);
   define_kinds<GeometryKinds>(definitions);

@@ -125,7 +125,7 @@ TEST(Conformance, TablesAreSound) {
 TEST(Conformance, EveryKindOfFieldIsOneTheEngineKnows) {
   for_each_field_kind([]<template <class> class Kind>() {
     using K = Kind<SampledMode>;
-    EXPECT_EQ(int(BlobSource<K>) + int(Skeleton<K>) + int(Operator<K>) + int(AffineWarp<K>) + int(Warp<K>), 1);
+    EXPECT_EQ(int(BlobSource<K>) + int(Skeleton<K>) + int(Operator<K>) + int(AffineWarp<K>) + int(Warp<K>) + int(ComplexPrimitive<K>), 1);
   });
 }
 
@@ -146,7 +146,7 @@ void for_each_leaf(Test&& test) {
       if constexpr (Skeleton<K>) {
         const K kind = random_kind<Kind>(r);
         const Box3d support{Vec3d(kind.support().lower), Vec3d(kind.support().upper)};
-        test([&](const auto& p) { return kind.potential(p); }, intersect(support, k_looked_at), r);
+        test([&](const auto& p) { return potential(kind, p); }, intersect(support, k_looked_at), r);
       } else if constexpr (BlobSource<K>) {
         BlobCloud cloud;
         random_kind<Kind>(r).append_blobs(cloud);
@@ -401,7 +401,7 @@ TEST(Conformance, MovingSkeletonsKeepTheirBounds) {
         const Box3d box = random_box(r, {Vec3d(support.lower), Vec3d(support.upper)});
         const Interval range = moving_potential_range(a, b, box);
         for (int i = 0; i < 40; ++i)
-          EXPECT_TRUE(holds(range, interpolated(a, b, r.uniform(0, 1)).potential(point<double>(r.in(box))), 1e-6)); // states are float
+          EXPECT_TRUE(holds(range, potential(interpolated(a, b, r.uniform(0, 1)), point<double>(r.in(box))), 1e-6)); // states are float
         trivial += range.width() >= std::abs(a.weight) && box.diagonal() < 0.1 * a.radius && a.displacement_from(b) < 0.1 * a.radius;
       }
       EXPECT_LT(trivial, k_trials / 50) << "bounds that say nothing prune nothing";

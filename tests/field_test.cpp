@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "field/kinds.h"
+#include "field/skeletons/hull_faces.h"
 
 namespace kelpie {
 namespace {
@@ -74,7 +75,7 @@ double difference(const A& a, const B& b) {
   for (int i = 0; i < 2000; ++i) {
     const Vec3d p = random_place(engine);
     const Point3<double> at{p.x, p.y, p.z};
-    most = std::max(most, std::abs(a.potential(at) - b.potential(at)));
+    most = std::max(most, std::abs(potential(a, at) - potential(b, at)));
   }
   return most;
 }
@@ -178,10 +179,50 @@ TEST(Skeletons, PolytopesDegenerate) {
 TEST(Skeletons, AHollowConeIsHollow) {
   const auto tube =
       skeleton<HollowCone>([](auto& k) { k.from_radius = k.to_radius = 0.8f, k.from_thickness = k.to_thickness = 0.1f, k.radius = 0.5f; });
-  EXPECT_EQ(tube.potential(Point3<double>{0, 0.5, 0}), 0);
-  EXPECT_EQ(tube.potential(Point3<double>{0.8, 0.5, 0}), 2);
-  EXPECT_EQ(tube.potential(Point3<double>{0.755, 0.5, 0}), 2);
-  EXPECT_LT(tube.potential(Point3<double>{0.745, 0.5, 0}), 2);
+  EXPECT_EQ(potential(tube, Point3<double>{0, 0.5, 0}), 0);
+  EXPECT_EQ(potential(tube, Point3<double>{0.8, 0.5, 0}), 2);
+  EXPECT_EQ(potential(tube, Point3<double>{0.755, 0.5, 0}), 2);
+  EXPECT_LT(potential(tube, Point3<double>{0.745, 0.5, 0}), 2);
+}
+
+/// The nearest face, or 0 inside: as the solvers of trees see a hull.
+double distance_to_faces(const std::vector<HullFace>& faces, const Vec3d& p) {
+  double least = std::numeric_limits<double>::infinity();
+  bool is_inside = true, is_over = false;
+  for (const HullFace& face : faces) {
+    const Point3<double> q = face.frame.local(Point3<double>{p.x, p.y, p.z});
+    const Vec2d r = from_nearest(face.corners, {q.x, q.y});
+    const double d = norm(norm(r.x, r.y), q.z);
+    is_inside &= q.z <= 0;
+    if (d < least) least = d, is_over = r == Vec2d(0);
+  }
+  return is_inside && is_over ? 0 : least;
+}
+
+// Points in general, on a cube's edges and faces, in a plane, on a line, in one place, and with copies.
+TEST(Skeletons, AHullIsItsFaces) {
+  std::mt19937 engine(1);
+  const auto uniform = [&](double lower, double upper) { return std::uniform_real_distribution<>(lower, upper)(engine); };
+  for (int trial = 0; trial < 200; ++trial) {
+    const int form = trial % 5;
+    std::vector<Vec3> points;
+    for (int i = 0; i < (form == 4 ? 1 : 4 + trial % 9); ++i) {
+      Vec3d p(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
+      if (form == 1) p = glm::round(p * 1.5); // {-1, 0, 1}
+      if (form == 2) p = p.x * Vec3d(0.6, 0.8, 0) + p.y * Vec3d(0, 0, 1);
+      if (form == 3) p = p.x * Vec3d(0.6, 0.8, 0);
+      points.insert(points.end(), 1 + i % 3 / 2, Vec3(p));
+    }
+    const std::vector<HullFace> faces = hull_faces(points);
+    for (int i = 0; i < 50; ++i) {
+      const Vec3d p(uniform(-2, 2), uniform(-2, 2), i % 4 ? uniform(-2, 2) : 0);
+      const double d = std::sqrt(squared_hull_distance(points, Point3<double>{p.x, p.y, p.z}).squared);
+      ASSERT_NEAR(distance_to_faces(faces, p), d, 1e-6) << trial << ' ' << i;
+    }
+  }
+  std::vector<Vec3> cube;
+  for (int i = 0; i < 8; ++i) cube.push_back(Vec3(i & 1, i >> 1 & 1, i >> 2 & 1));
+  EXPECT_EQ(hull_faces(cube).size(), 6u);
 }
 
 } // namespace

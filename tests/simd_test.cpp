@@ -2,6 +2,7 @@
 // the same surfaces: none misses a hit or makes one up, and where two of them answer, they agree closely.
 #include <hwy/highway.h>
 
+#include "tests/support/every_kind.h"
 #include "tests/support/judge_rays.h"
 
 namespace kelpie {
@@ -33,6 +34,11 @@ std::vector<Case> cases() {
       add(field, twist);
     }
     out.push_back({"tree " + std::to_string(trial), field});
+  }
+  const EveryKind kinds;
+  for (unsigned trial = 0; trial < 400; trial += 40) {
+    Random r(trial);
+    out.push_back({"kinds " + std::to_string(trial), kinds.random_field(trial, r)});
   }
   return out;
 }

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/every_kind.h"
 #include "tests/support/judge_rays.h"
 
 namespace kelpie {
@@ -111,6 +112,11 @@ TEST(Tracer, APacketIsNoMoreThanItsRays) {
     SampledField field;
     random_tree(r, 1 + trial % 3, field);
     fields.push_back({field, k_small_cells});
+  }
+  const EveryKind kinds;
+  for (unsigned trial = 0; trial < 3000; trial += 101) {
+    Random r(trial);
+    fields.push_back({kinds.random_field(trial, r), trial % 2 ? CellLimits{} : k_small_cells});
   }
   size_t hits = 0, far_apart = 0;
   for (auto& [field, limits] : fields) {

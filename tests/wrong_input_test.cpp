@@ -39,6 +39,20 @@ TEST_F(WrongInput, Scenes) {
                65, "error: scene.json:1:43: \"texture\" is known but not built yet\n");
   expect_scene(R"({ "kelpie": 1, "shapes": [ { "name": "a", "field": { "kind": "blobs", "file": "none.ply" } } ] })", 66,
                "error: scene.json:1:79: file: \"none.ply\" does not exist (" + path("none.ply") + ")\n");
+  const auto field = [](const std::string& f) { return "{ \"kelpie\": 1, \"shapes\": [ { \"name\": \"a\", \"field\":\n" + f + " } ] }"; };
+  expect_scene(field(R"({ "kind": "generalized_cylinder", "radius": 1, "points": [[0, 0, 0], [1, 0, 0]], "radii": [0.1, -0.2] })"), 65,
+               "error: scene.json:2:97: radii must be >= 0, found -0.2\n");
+  expect_scene(field(R"({ "kind": "generalized_cylinder", "radius": 1, "points": [[0, 0, 0], [1, 0, 0]], "radii": [1, 2, 3] })"), 65,
+               "error: scene.json:2:91: radii: expected one, or as many as there are points (2), found 3\n");
+  std::string points;
+  for (int i = 0; i < 15; ++i) points += (i ? ", [" : "[") + std::to_string(i % 4) + ", 0, " + std::to_string(i / 4) + "]";
+  expect_scene(field("{ \"kind\": \"patch\", \"radius\": 1, \"points\": [" + points + "] }"), 65,
+               "error: scene.json:2:43: points: a patch has 16 control points, found 15\n");
+  expect_scene(field(R"({ "kind": "revolution", "radius": 1, "profile": [[1, 0, 0.1], [1, 1, -0.1]] })"), 65,
+               "error: scene.json:2:49: profile: the thickness of point 2 must be >= 0, found -0.1\n");
+  write("pinched.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 2\n");
+  expect_scene(field(R"({ "kind": "subdivision", "radius": 1, "file": "pinched.obj" })"), 65,
+               "error: " + path("pinched.obj") + ":4: face 0 has not three different corners or more\n");
   expect_scene("{ \"kelpie\": 1,\n  \"shapes\": [ }\n", 65, "error: scene.json:2:15: expected a value\n");
 }
 

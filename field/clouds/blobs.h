@@ -12,7 +12,7 @@ struct Blobs {
 The file's vertices have the properties `x y z radius weight` (radius of influence; weights of either
 sign) in ASCII or binary; `kelpie fit` writes such files.)";
 
-  AssetPath file;
+  typename Mode::File file;
   Falloff falloff = Falloff::quartic;
   /// What `file` holds; filled when the scene is built.
   std::shared_ptr<const BlobCloud> cloud;

@@ -18,7 +18,10 @@ PolygonSoup read_stl(std::string_view bytes, const std::string& file);
 /// begin with "solid" as well.)
 bool is_binary_stl(std::string_view bytes);
 
-/// Reads a file of any of the formats, told apart by content, then by name, and cuts its faces into triangles. Throws
+/// Reads a file of any of the formats, told apart by content where it is plain, else by name.
+PolygonSoup read_polygons(std::string_view bytes, const std::string& file, Diagnostics&);
+
+/// The same, and cuts its faces into triangles. Throws
 /// Error, bad_data, also where there is no face or there are too many.
 void read_triangles(std::string_view bytes, const std::string& file, Diagnostics&, std::vector<Vec3d>& positions,
                     std::vector<Triangle>& triangles);

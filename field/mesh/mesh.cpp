@@ -22,8 +22,9 @@ std::string lower_extension(const std::string& path) {
   return e;
 }
 
-/// Content decides where it is plain, else the name.
-PolygonSoup read_soup(std::string_view bytes, const std::string& path, Diagnostics& diagnostics) {
+} // namespace
+
+PolygonSoup read_polygons(std::string_view bytes, const std::string& path, Diagnostics& diagnostics) {
   if (bytes.substr(0, 3) == "\xef\xbb\xbf") bytes.remove_prefix(3); // a byte order mark
   if (bytes.empty()) throw Error(ExitStatus::bad_data, "the file is empty", {path, 0, 0});
   const std::string extension = lower_extension(path);
@@ -39,8 +40,6 @@ PolygonSoup read_soup(std::string_view bytes, const std::string& path, Diagnosti
   throw Error(ExitStatus::bad_data, "neither OBJ, PLY, OFF nor STL", {path, 0, 0});
 }
 
-} // namespace
-
 void append_face(PolygonSoup& soup, const std::vector<uint32_t>& corners, int line, const std::string& file) {
   if (soup.face_count() >= k_most_faces)
     throw Error(ExitStatus::bad_data, fmt::format("more faces than the limit of {}", k_most_faces), {file, line, 0});
@@ -51,7 +50,7 @@ void append_face(PolygonSoup& soup, const std::vector<uint32_t>& corners, int li
 
 void read_triangles(std::string_view bytes, const std::string& path, Diagnostics& diagnostics, std::vector<Vec3d>& positions,
                     std::vector<Triangle>& triangles) {
-  PolygonSoup soup = read_soup(bytes, path, diagnostics);
+  PolygonSoup soup = read_polygons(bytes, path, diagnostics);
   if (soup.face_count() == 0) throw Error(ExitStatus::bad_data, "the mesh has no faces", {path, 0, 0});
   std::vector<uint32_t> corners;
   for (size_t f = 0; f < soup.face_count(); ++f) {

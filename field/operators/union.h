@@ -38,13 +38,16 @@ Source: methods.md section 2.)";
     return most;
   }
 
-  /// Where only the sign is asked for, an operand that is below another throughout decides nothing, nor does one that is
-  /// outside throughout. For the value: the largest of all needs no other; an R-function needs whatever is above 0.
+  /// An operand that is nowhere above another is not needed beside it (of many that do not reach the cell, none beside one
+  /// that may); where only the sign is asked for, neither is one that is outside throughout. The value of an R-function needs
+  /// whatever is above 0.
   void keep(std::span<const Interval> f, double threshold, Demand mine, std::span<char> kept) const {
-    double floor = -std::numeric_limits<double>::infinity();
-    for (const Interval& x : f) floor = std::max(floor, x.lo);
+    const bool is_sign = mine == Demand::sign, is_r_function = !is_sign && is_smooth(formula, mine);
+    size_t best = 0; // of the largest lower ends
+    for (size_t i = 1; i < f.size(); ++i)
+      if (f[i].lo > f[best].lo || (f[i].lo == f[best].lo && f[i].hi > f[best].hi)) best = i;
     for (size_t i = 0; i < f.size(); ++i)
-      kept[i] = mine == Demand::sign ? f[i].hi >= floor && f[i].hi >= threshold : is_smooth(formula, mine) ? f[i].hi > 0 : f[i].hi >= floor;
+      kept[i] = is_r_function ? f[i].hi > 0 : (i == best || f[i].hi > f[best].lo) && !(is_sign && f[i].hi < threshold);
   }
   Demand demand_of_operands(Demand mine, size_t /*count*/) const { return mine; }
 };

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "field/falloff.h"
-#include "field/skeletons/solid_of_revolution.h"
+#include "field/skeletons/section_solid.h"
 
 namespace kelpie {
 
@@ -47,16 +47,8 @@ the arc d is the distance to the circle, elsewhere that to the nearer end: both 
   /// That of the whole circle.
   Box3 support() const { return frustum_support(centre, arc_radius, centre, arc_radius, radius, normal); }
 
-  template <class Real>
-  Real potential(const Point3<Real>& p) const {
-    const AxisFrame frame{Vec3d(centre), Vec3d(normal), Vec3d(towards)};
-    const Point3<Real> q = frame.local(p);
-    const Real y = max(q.y, -q.y); // the arc is the same on both sides
-    const double r = arc_radius, half = 0.5 * glm::radians(double(angle)), c = std::cos(half), s = std::sin(half);
-    const Real to_circle = square(norm(q.x, q.y) - Real(r)), to_end = square(q.x - Real(r * c)) + square(y - Real(r * s));
-    const Interval past_end = half > 0 ? range_of(c * y - s * q.x) : Interval{1}; // the sine of the angle, times a length
-    const Real d2 = square(q.z) + (past_end.lo > 0 ? to_end : past_end.hi <= 0 ? to_circle : either(to_end, to_circle));
-    return double(weight) * kelpie::falloff(falloff, d2 * (1 / square(double(radius))));
+  ArcSolid solid() const {
+    return {AxisFrame{Vec3d(centre), Vec3d(normal), Vec3d(towards)}, arc_radius, 0.5 * glm::radians(double(angle))};
   }
 };
 

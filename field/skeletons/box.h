@@ -1,7 +1,7 @@
 #pragma once
 
 #include "field/falloff.h"
-#include "field/skeletons/frame.h"
+#include "field/skeletons/section_solid.h"
 
 namespace kelpie {
 
@@ -51,13 +51,9 @@ Source: methods.md section 2, skeletons.)";
     return rounded_outward({Vec3d(centre) - reach, Vec3d(centre) + reach});
   }
 
-  template <class Real>
-  Real potential(const Point3<Real>& p) const {
-    const AxisFrame frame{Vec3d(centre), Vec3d(axis), Vec3d(across)};
-    const Point3<Real> q = frame.local(p);
+  SectionSolid solid() const {
     const Vec3d half = 0.5 * Vec3d(size);
-    const Real d2 = square(beyond(q.x, half.x)) + square(beyond(q.z, half.y)) + square(beyond(q.y, half.z));
-    return double(weight) * kelpie::falloff(falloff, d2 * (1 / square(double(radius))));
+    return SectionSolid::extruded({Vec3d(centre), Vec3d(axis), Vec3d(across)}, half.y).with_rectangle(-half.x, half.x, half.z);
   }
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "field/falloff.h"
-#include "field/skeletons/solid_of_revolution.h"
+#include "field/skeletons/section_solid.h"
 
 namespace kelpie {
 
@@ -47,12 +47,8 @@ convex. On the axis the potential has a crease, as the nearest point is not one.
            std::max(circle_radius, other.circle_radius) * tilt(Vec3d(normal), Vec3d(other.normal));
   }
 
-  template <class Real>
-  Real potential(const Point3<Real>& p) const {
-    const AxisFrame frame{Vec3d(centre), Vec3d(normal)};
-    const Point3<Real> q = frame.local(p);
-    const Real d2 = square(norm(q.x, q.y) - Real(double(circle_radius))) + square(q.z);
-    return double(weight) * kelpie::falloff(falloff, d2 * (1 / square(double(radius))));
+  SectionSolid solid() const {
+    return SectionSolid::turned({Vec3d(centre), Vec3d(normal)}).with_rectangle(circle_radius, circle_radius, 0);
   }
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "field/falloff.h"
-#include "field/skeletons/solid_of_revolution.h"
+#include "field/skeletons/section_solid.h"
 
 namespace kelpie {
 
@@ -42,11 +42,13 @@ With round ends it is a `cone_sphere`. Source: methods.md section 2, skeletons.)
 
   Box3 support() const { return frustum_support(from, from_radius, to, to_radius, radius); }
 
-  template <class Real>
-  Real potential(const Point3<Real>& p) const {
+  SectionSolid solid() const {
     const Vec3d axis = Vec3d(to) - Vec3d(from);
-    const Real d = distance_to_revolved(AxisFrame{Vec3d(from), axis}, frustum_profile(glm::length(axis), from_radius, to_radius), p);
-    return double(weight) * kelpie::falloff(falloff, square(d) * (1 / square(double(radius))));
+    const double a = from_radius, b = to_radius, length = glm::length(axis);
+    // Both halves of the section, so that the axis is no border.
+    ConvexPolygon section;
+    section.push({-a, 0}), section.push({a, 0}), section.push({b, length}), section.push({-b, length});
+    return SectionSolid::turned({Vec3d(from), axis}).with_polygon(section);
   }
 };
 

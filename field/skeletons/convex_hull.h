@@ -35,6 +35,17 @@ Dual<T, N> squared_distance_to_hull(std::span<const Vec3> points, const Point3<D
   return r;
 }
 
+/// The hull of points.
+template <class Points>
+struct HullSolid {
+  Points points;
+};
+
+template <class Points, class Real>
+Real squared_distance(const HullSolid<Points>& solid, const Point3<Real>& p) {
+  return squared_distance_to_hull(solid.points, p);
+}
+
 /// The box around points, grown by `radius`.
 Box3 support_of_hull(std::span<const Vec3> points, double radius);
 

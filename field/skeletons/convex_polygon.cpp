@@ -4,12 +4,12 @@
 
 namespace kelpie {
 
-Vec2d ConvexPolygon::from_nearest(const Vec2d& p) const {
+Vec2d from_nearest(std::span<const Vec2d> corners, const Vec2d& p) {
   Vec2d nearest(0);
   double least = std::numeric_limits<double>::infinity();
   bool is_inside = true, faces_edge = false;
-  for (size_t i = 0; i < count; ++i) {
-    const Vec2d a = corners[i], e = corners[i + 1 < count ? i + 1 : 0] - a, q = p - a;
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const Vec2d a = corners[i], e = corners[i + 1 < corners.size() ? i + 1 : 0] - a, q = p - a;
     const double squared = glm::dot(e, e), s = squared > 0 ? glm::dot(q, e) / squared : 0;
     const Vec2d r = q - e * std::min(std::max(s, 0.0), 1.0);
     is_inside &= e.x * q.y - e.y * q.x >= 0;
@@ -30,7 +30,7 @@ ConvexPolygon ConvexPolygon::above(double least) const {
 }
 
 PlaneDistance<double> plane_distance(const ConvexPolygon& polygon, double x, double y) {
-  const Vec2d r = polygon.from_nearest({x, y});
+  const Vec2d r = from_nearest(polygon.all(), {x, y});
   return {norm(r.x, r.y), cosine(r.x, r.y), cosine(r.y, r.x)};
 }
 

@@ -3,12 +3,17 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include "field/skeletons/frame.h"
 
 namespace kelpie {
 
-/// Corners in counterclockwise order; any of them may coincide, or all lie on a line.
+/// From the nearest point of a convex polygon to p; 0 inside. Corners in counterclockwise order; any of them may coincide,
+/// or all lie on a line.
+Vec2d from_nearest(std::span<const Vec2d> corners, const Vec2d& p);
+
+/// A polygon of few corners, in the same order.
 struct ConvexPolygon {
   static constexpr size_t k_most = 6;
   std::array<Vec2d, k_most> corners;
@@ -16,8 +21,7 @@ struct ConvexPolygon {
 
   void push(const Vec2d& p) { corners[count++] = p; }
 
-  /// From the nearest point of the polygon to p; 0 inside.
-  Vec2d from_nearest(const Vec2d& p) const;
+  std::span<const Vec2d> all() const { return {corners.data(), count}; }
   /// The part with x >= `least`.
   ConvexPolygon above(double least) const;
 };

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "field/falloff.h"
-#include "field/skeletons/solid_of_revolution.h"
+#include "field/skeletons/section_solid.h"
 
 namespace kelpie {
 
@@ -43,12 +43,10 @@ it is a `cone_sphere` of equal radii. Source: methods.md section 2, skeletons.)"
 
   Box3 support() const { return frustum_support(from, cylinder_radius, to, cylinder_radius, radius); }
 
-  template <class Real>
-  Real potential(const Point3<Real>& p) const {
+  SectionSolid solid() const {
     const Vec3d axis = Vec3d(to) - Vec3d(from);
     const double r = cylinder_radius;
-    const Real d = distance_to_revolved(AxisFrame{Vec3d(from), axis}, frustum_profile(glm::length(axis), r, r), p);
-    return double(weight) * kelpie::falloff(falloff, square(d) * (1 / square(double(radius))));
+    return SectionSolid::turned({Vec3d(from) + 0.5 * axis, axis}).with_rectangle(-r, r, 0.5 * glm::length(axis));
   }
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "field/falloff.h"
-#include "field/skeletons/frame.h"
+#include "field/skeletons/section_solid.h"
 
 namespace kelpie {
 
@@ -47,13 +47,8 @@ The distance is exact. `disc_radius` 0 makes it a `point`. Source: methods.md se
            std::max(disc_radius, other.disc_radius) * tilt(Vec3d(normal), Vec3d(other.normal));
   }
 
-  template <class Real>
-  Real potential(const Point3<Real>& p) const {
-    const AxisFrame frame{Vec3d(centre), Vec3d(normal)};
-    const Point3<Real> q = frame.local(p);
-    const Real beyond_rim = max(Real(0.0), norm(q.x, q.y) - Real(double(disc_radius)));
-    const Real d2 = square(q.z) + square(beyond_rim);
-    return double(weight) * kelpie::falloff(falloff, d2 * (1 / square(double(radius))));
+  SectionSolid solid() const {
+    return SectionSolid::turned({Vec3d(centre), Vec3d(normal)}).with_rectangle(-double(disc_radius), double(disc_radius), 0);
   }
 };
 

@@ -53,12 +53,6 @@ struct AxisFrame {
   }
 };
 
-/// Two balls and the cone that touches both: what the engine solves fastest. Points and segments are the thinnest.
-struct ConeSphereSolid {
-  Vec3d from, to;
-  double from_radius, to_radius;
-};
-
 /// How far a unit circle about an axis moves when the axis turns from a to b, or to any vector between them.
 inline double tilt(const Vec3d& a, const Vec3d& b) {
   const Vec3d e = AxisFrame{Vec3d(0), a}.e, f = AxisFrame{Vec3d(0), b}.e;
@@ -70,12 +64,6 @@ inline double tilt(const Vec3d& a, const Vec3d& b) {
 inline Box3 rounded_outward(const Box3d& b) {
   const Vec3d size = glm::max(glm::abs(b.lower), glm::abs(b.upper));
   return {Vec3(b.lower - 3e-7 * size), Vec3(b.upper + 3e-7 * size)};
-}
-
-/// How far x is outside [-half, half].
-template <class Real>
-Real beyond(const Real& x, double half) {
-  return max(Real(0.0), max(x - Real(half), -x - Real(half)));
 }
 
 // The length of the vector (a, b). Its derivative by a is a / length, the cosine of an angle, which stays

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "field/falloff.h"
-#include "field/skeletons/solid_of_revolution.h"
+#include "field/skeletons/section_solid.h"
 
 namespace kelpie {
 
@@ -51,20 +51,57 @@ Source: methods.md section 2, skeletons (surfaces of revolution with thickness).
   // Sampled:
 
   Box3 support() const {
-    return frustum_support(from, from_radius, to, to_radius, double(radius) + 0.5 * std::max(double(from_thickness), double(to_thickness)));
+    return frustum_support(from, std::max(0.f, from_radius), to, std::max(0.f, to_radius),
+                           double(radius) + 0.5 * std::max(double(from_thickness), double(to_thickness)));
   }
 
-  template <class Real>
-  Real potential(const Point3<Real>& p) const {
-    const Vec3d axis = Vec3d(to) - Vec3d(from);
-    const Vec2d begin(from_radius, 0), end(to_radius, glm::length(axis)), along = end - begin;
-    const double length = glm::length(along);
-    const Vec2d across = length > 0 ? Vec2d(along.y, -along.x) / length : Vec2d(1, 0);
+  /// How far the wall moves between two states, and any two states interpolated between them.
+  double displacement_from(const HollowCone& other) const {
+    const Section a = section(), b = other.section();
+    const double ends = std::max(glm::distance(Vec3d(from), Vec3d(other.from)) + std::abs(double(from_radius) - double(other.from_radius)),
+                                 glm::distance(Vec3d(to), Vec3d(other.to)) + std::abs(double(to_radius) - double(other.to_radius)));
+    const double thicker = 0.5 * std::max(std::abs(double(from_thickness) - double(other.from_thickness)),
+                                          std::abs(double(to_thickness) - double(other.to_thickness)));
+    const double half = 0.5 * std::max({from_thickness, to_thickness, other.from_thickness, other.to_thickness});
+    const double reach =
+        half + std::max({std::abs(from_radius), std::abs(to_radius), std::abs(other.from_radius), std::abs(other.to_radius)});
+    const double tilted = tilt(Vec3d(to) - Vec3d(from), Vec3d(other.to) - Vec3d(other.from));
+    const double moved = ends + thicker + half * turn(a, b, tilted) + reach * tilted;
+    // Where the axis cuts off a part, the cut may run along the wall faster than that moves.
+    return is_cut() || other.is_cut() ? moved + glm::length(a.along) + glm::length(b.along) + 2 * half : moved;
+  }
+
+  SectionSolid solid() const {
+    const Section s = section();
     ConvexPolygon wall;
-    wall.push(begin + across * (0.5 * double(from_thickness))), wall.push(end + across * (0.5 * double(to_thickness)));
-    wall.push(end - across * (0.5 * double(to_thickness))), wall.push(begin - across * (0.5 * double(from_thickness)));
-    const Real d = distance_to_revolved(AxisFrame{Vec3d(from), axis}, wall.above(0), p);
-    return double(weight) * kelpie::falloff(falloff, square(d) * (1 / square(double(radius))));
+    wall.push(s.begin + s.across * (0.5 * double(from_thickness))), wall.push(s.end + s.across * (0.5 * double(to_thickness)));
+    wall.push(s.end - s.across * (0.5 * double(to_thickness))), wall.push(s.begin - s.across * (0.5 * double(from_thickness)));
+    return SectionSolid::turned({Vec3d(from), Vec3d(to) - Vec3d(from)}).with_polygon(wall.above(0), false);
+  }
+
+private:
+  /// The middle of the wall in the half plane: x from the axis, y along it.
+  struct Section {
+    Vec2d begin, end, along, across;
+  };
+  Section section() const {
+    Section s{{from_radius, 0}, {to_radius, glm::distance(Vec3d(from), Vec3d(to))}, {}, {1, 0}};
+    s.along = s.end - s.begin;
+    if (const double length = glm::length(s.along); length > 0) s.across = Vec2d(s.along.y, -s.along.x) / length;
+    return s;
+  }
+  bool is_cut() const {
+    const Section s = section();
+    return s.begin.x < std::abs(s.across.x) * 0.5 * double(from_thickness) || s.end.x < std::abs(s.across.x) * 0.5 * double(to_thickness);
+  }
+  /// How much `across` changes. Where the axis tilts by e, the length that is interpolated differs from an interpolated length by no
+  /// more than e^2 times the longer.
+  static double turn(const Section& a, const Section& b, double tilted) {
+    const double a_length = glm::length(a.along), b_length = glm::length(b.along);
+    if (a_length == 0 || b_length == 0) return glm::distance(a.across, b.across);
+    if (glm::dot(a.across, b.across) < 0) return 2;
+    const double bent = square(tilted) * std::max(a.end.y, b.end.y) / std::min(a_length, b_length);
+    return std::min(2.0, glm::distance(a.across, b.across) + 3 * bent);
   }
 };
 

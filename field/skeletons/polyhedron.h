@@ -37,10 +37,14 @@ Source: methods.md section 2, skeletons.)";
 
   Box3 support() const { return support_of_hull(points, radius); }
 
-  template <class Real>
-  Real potential(const Point3<Real>& p) const {
-    const Real d2 = squared_distance_to_hull(points, p);
-    return double(weight) * kelpie::falloff(falloff, d2 * (1 / square(double(radius))));
+  HullSolid<std::span<const Vec3>> solid() const { return {points}; }
+
+  /// How far the hull moves between two states with as many points, and any two states interpolated between them.
+  double displacement_from(const Polyhedron& other) const {
+    double most = 0;
+    for (size_t i = 0; i < std::min(points.size(), other.points.size()); ++i)
+      most = std::max(most, glm::distance(Vec3d(points[i]), Vec3d(other.points[i])));
+    return most;
   }
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "field/falloff.h"
+#include "field/skeletons/section_solid.h"
 #include "field/skeletons/triangle_plane.h"
 
 namespace kelpie {
@@ -43,12 +44,9 @@ Source: methods.md section 2, skeletons (surface patches).)";
 
   Box3 support() const { return TrianglePlane(a, b, c).support(0.5 * double(thickness), radius); }
 
-  template <class Real>
-  Real potential(const Point3<Real>& p) const {
+  SectionSolid solid() const {
     const TrianglePlane plane(a, b, c);
-    const Point3<Real> q = plane.frame.local(p);
-    const Real d2 = square(distance(plane.triangle, q.x, q.y)) + square(beyond(q.z, 0.5 * double(thickness)));
-    return double(weight) * kelpie::falloff(falloff, d2 * (1 / square(double(radius))));
+    return SectionSolid::extruded(plane.frame, 0.5 * double(thickness)).with_polygon(plane.triangle);
   }
 };
 

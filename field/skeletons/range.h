@@ -4,6 +4,7 @@
 #include "base/box.h"
 #include "field/kinds.h"
 #include "field/motion.h"
+#include "field/skeletons/potential.h"
 
 namespace kelpie {
 
@@ -26,9 +27,9 @@ struct BoxPoint {
 template <class Kind>
 Interval potential_range(const Kind& kind, const BoxPoint& at) {
   if (std::min({at.half.x, at.half.y, at.half.z}) > reach_of(kind))
-    return kind.potential(Point3<Interval>{at.p.x.value, at.p.y.value, at.p.z.value});
-  const Dual<Interval, 3> f = kind.potential(at.p);
-  const double at_centre = kind.potential(Point3<double>{at.centre.x, at.centre.y, at.centre.z});
+    return potential(kind, Point3<Interval>{at.p.x.value, at.p.y.value, at.p.z.value});
+  const Dual<Interval, 3> f = potential(kind, at.p);
+  const double at_centre = potential(kind, Point3<double>{at.centre.x, at.centre.y, at.centre.z});
   const double reach = f.d[0].magnitude() * at.half.x + f.d[1].magnitude() * at.half.y + f.d[2].magnitude() * at.half.z;
   return std::isfinite(reach) ? intersect(f.value, Interval{at_centre - reach, at_centre + reach}) : f.value;
 }
@@ -70,8 +71,8 @@ Interval moving_potential_range(const Kind& a, const Kind& b, const Box3d& box) 
   const double change = steepest(a.falloff).most * moved / double(least.radius);
   const double lo = potential_range(least, BoxPoint(box)).lo - change, hi = potential_range(most, BoxPoint(box)).hi + change;
   const Box3d padded = box.padded(moved);
-  const Interval far = most.potential(
-      Point3<Interval>{{padded.lower.x, padded.upper.x}, {padded.lower.y, padded.upper.y}, {padded.lower.z, padded.upper.z}});
+  const Interval far = potential(
+      most, Point3<Interval>{{padded.lower.x, padded.upper.x}, {padded.lower.y, padded.upper.y}, {padded.lower.z, padded.upper.z}});
   return Interval{std::max(0.0, lo), std::max(0.0, std::min(hi, far.hi))} * hull(double(a.weight), double(b.weight));
 }
 

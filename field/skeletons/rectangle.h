@@ -1,7 +1,7 @@
 #pragma once
 
 #include "field/falloff.h"
-#include "field/skeletons/frame.h"
+#include "field/skeletons/section_solid.h"
 
 namespace kelpie {
 
@@ -48,12 +48,9 @@ Source: methods.md section 2, skeletons.)";
     return rounded_outward({Vec3d(centre) - reach, Vec3d(centre) + reach});
   }
 
-  template <class Real>
-  Real potential(const Point3<Real>& p) const {
-    const AxisFrame frame{Vec3d(centre), Vec3d(normal), Vec3d(across)};
-    const Point3<Real> q = frame.local(p);
-    const Real d2 = square(beyond(q.x, 0.5 * double(width))) + square(beyond(q.y, 0.5 * double(height))) + square(q.z);
-    return double(weight) * kelpie::falloff(falloff, d2 * (1 / square(double(radius))));
+  SectionSolid solid() const {
+    const double x = 0.5 * double(width), y = 0.5 * double(height);
+    return SectionSolid::extruded({Vec3d(centre), Vec3d(normal), Vec3d(across)}, 0).with_rectangle(-x, x, y);
   }
 };
 

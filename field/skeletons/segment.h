@@ -1,8 +1,7 @@
 #pragma once
 
-#include "base/box.h"
 #include "field/falloff.h"
-#include "field/skeletons/frame.h"
+#include "field/skeletons/cone_sphere_solid.h"
 
 namespace kelpie {
 
@@ -44,21 +43,6 @@ Equal ends make it a `point`. Source: methods.md section 2.)";
   /// How far the segment moves between two states, and any two states interpolated between them.
   double displacement_from(const Segment& other) const {
     return std::max(glm::distance(Vec3d(from), Vec3d(other.from)), glm::distance(Vec3d(to), Vec3d(other.to)));
-  }
-
-  template <class Real>
-  Real potential(const Point3<Real>& p) const {
-    // Distances along and across the axis: each coordinate of p - from is used as it is, and the part
-    // along the axis is clamped once, which keeps intervals narrow.
-    const Vec3d axis = Vec3d(to) - Vec3d(from);
-    const double length = glm::length(axis), inverse = length > 0 ? 1 / length : 0;
-    const Vec3d e = axis * inverse;
-    const Real x = p.x - Real(from.x), y = p.y - Real(from.y), z = p.z - Real(from.z);
-    const Real along = x * e.x + y * e.y + z * e.z;
-    const Real beyond = along - clamp(along, 0, length);
-    const Real across = square(y * e.z - z * e.y) + square(z * e.x - x * e.z) + square(x * e.y - y * e.x);
-    const Real d2 = length > 0 ? across + square(beyond) : square(x) + square(y) + square(z);
-    return double(weight) * kelpie::falloff(falloff, d2 * (1 / square(double(radius))));
   }
 };
 

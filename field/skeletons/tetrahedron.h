@@ -48,11 +48,7 @@ Source: methods.md section 2, skeletons.)";
                      glm::distance(Vec3d(c), Vec3d(other.c)), glm::distance(Vec3d(d), Vec3d(other.d))});
   }
 
-  template <class Real>
-  Real potential(const Point3<Real>& p) const {
-    const Real d2 = squared_distance_to_hull(std::array{a, b, c, d}, p);
-    return double(weight) * kelpie::falloff(falloff, d2 * (1 / square(double(radius))));
-  }
+  HullSolid<std::array<Vec3, 4>> solid() const { return {{a, b, c, d}}; }
 };
 
 } // namespace kelpie

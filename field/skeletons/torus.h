@@ -1,7 +1,7 @@
 #pragma once
 
 #include "field/falloff.h"
-#include "field/skeletons/frame.h"
+#include "field/skeletons/section_solid.h"
 
 namespace kelpie {
 
@@ -60,12 +60,8 @@ Source: methods.md section 2, skeletons.)";
            std::max(major_radius, other.major_radius) * tilt(Vec3d(normal), Vec3d(other.normal));
   }
 
-  template <class Real>
-  Real potential(const Point3<Real>& p) const {
-    const AxisFrame frame{Vec3d(centre), Vec3d(normal)};
-    const Point3<Real> q = frame.local(p);
-    const Real d = max(Real(0.0), norm(norm(q.x, q.y) - Real(double(major_radius)), q.z) - Real(double(minor_radius)));
-    return double(weight) * kelpie::falloff(falloff, square(d) * (1 / square(double(radius))));
+  SectionSolid solid() const {
+    return SectionSolid::turned({Vec3d(centre), Vec3d(normal)}).with_rectangle(major_radius, major_radius, 0).grown_by(minor_radius);
   }
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "field/falloff.h"
+#include "field/skeletons/section_solid.h"
 #include "field/skeletons/triangle_plane.h"
 
 namespace kelpie {
@@ -47,12 +48,9 @@ Source: methods.md section 2, skeletons.)";
         {glm::distance(Vec3d(a), Vec3d(other.a)), glm::distance(Vec3d(b), Vec3d(other.b)), glm::distance(Vec3d(c), Vec3d(other.c))});
   }
 
-  template <class Real>
-  Real potential(const Point3<Real>& p) const {
+  SectionSolid solid() const {
     const TrianglePlane plane(a, b, c);
-    const Point3<Real> q = plane.frame.local(p);
-    const Real d2 = square(distance(plane.triangle, q.x, q.y)) + square(q.z);
-    return double(weight) * kelpie::falloff(falloff, d2 * (1 / square(double(radius))));
+    return SectionSolid::extruded(plane.frame, 0).with_polygon(plane.triangle);
   }
 };
 

@@ -120,9 +120,6 @@ Source: Barr 1984, "Global and local deformations of solid primitives"; methods.
     return {Vec3d(r.x.lo, r.y.lo, r.z.lo), Vec3d(r.x.hi, r.y.hi, r.z.hi)};
   }
 
-private:
-  static constexpr double k_far = std::numeric_limits<double>::infinity();
-
   /// In the frame: x towards the bend axis, z along the line.
   struct Arc {
     AxisFrame frame;
@@ -147,6 +144,9 @@ private:
       return {a * c + h * s, q.y, h * c - a * s};
     }
   };
+
+private:
+  static constexpr double k_far = std::numeric_limits<double>::infinity();
 
   /// What holds in any of the parts of space that a box meets.
   template <class Real>

@@ -20,7 +20,7 @@ mass by the shortest way and keeps it; `cellular` is the paper's matching, which
 exactly that of the two clouds. Source: Jin, Liu, Wang, Feng, Sun 2005, "Blob-based liquid morphing";
 methods.md section 1.)";
 
-  AssetPath from, to;
+  typename Mode::File from, to;
   Correspondence correspondence = Correspondence::transport;
   VolumeRule volume = VolumeRule::linear;
   Value<Mode, float> progress{0.f};

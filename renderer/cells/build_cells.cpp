@@ -11,7 +11,9 @@ namespace kelpie {
 
 size_t ShapeCells::bytes() const {
   return cells.size() * sizeof(Cell) + leaf_data.size() * sizeof(float) + steps.size() * sizeof(Instruction) +
-         tree_steps.size() * sizeof(TreeStep) + (operands.size() + blob_indices.size()) * sizeof(uint32_t);
+         tree_steps.size() * sizeof(TreeStep) + tree_spaces.size() * sizeof(TreeSpace) + solids.size() * sizeof(SolidLeaf) +
+         solid_parts.size() * sizeof(SolidPart) + solid_edges.size() * sizeof(SolidEdge) +
+         (operands.size() + blob_indices.size()) * sizeof(uint32_t);
 }
 
 namespace {
@@ -93,6 +95,8 @@ private:
     for (Cell cell : part.cells) {
       cell.leaves += out.leaf_data.size(), cell.spaces += static_cast<uint32_t>(out.tree_spaces.size());
       cell.first += cell.has_code() ? out.steps.size() : cell.content == Cell::Content::tree ? out.tree_steps.size() : out.leaf_data.size();
+      cell.solids += static_cast<uint32_t>(out.solids.size());
+      cell.parts += static_cast<uint32_t>(out.solid_parts.size()), cell.edges += static_cast<uint32_t>(out.solid_edges.size());
       out.cells.push_back(cell);
     }
     const auto operands = static_cast<uint32_t>(out.operands.size()), blobs = static_cast<uint32_t>(out.blob_indices.size());
@@ -100,18 +104,17 @@ private:
       step.first += step.kind == Instruction::Kind::blobs ? blobs : operands;
       out.steps.push_back(step);
     }
-    out.operands.insert(out.operands.end(), part.operands.begin(), part.operands.end());
-    out.blob_indices.insert(out.blob_indices.end(), part.blob_indices.begin(), part.blob_indices.end());
-    out.leaf_data.insert(out.leaf_data.end(), part.leaf_data.begin(), part.leaf_data.end());
-    out.tree_steps.insert(out.tree_steps.end(), part.tree_steps.begin(), part.tree_steps.end());
-    out.tree_spaces.insert(out.tree_spaces.end(), part.tree_spaces.begin(), part.tree_spaces.end());
+    const auto add = [&](auto ShapeCells::*list) { (out.*list).insert((out.*list).end(), (part.*list).begin(), (part.*list).end()); };
+    add(&ShapeCells::operands), add(&ShapeCells::blob_indices), add(&ShapeCells::leaf_data);
+    add(&ShapeCells::tree_steps), add(&ShapeCells::tree_spaces);
+    add(&ShapeCells::solids), add(&ShapeCells::solid_parts), add(&ShapeCells::solid_edges);
   }
 
   void add_cell(const Box3d& box, const Code& code, double radius, ShapeCells& out) const {
     const size_t before = out.bytes();
     Cell cell;
     cell.box = {Vec3(box.lower), Vec3(box.upper)};
-    cell.epsilon = static_cast<float>(1e-3 * radius);
+    cell.epsilon = static_cast<float>(1e-3 * std::min(radius, smallest_influence(code)));
     const bool is_sum = code.steps.size() == 1 && code.steps[0].kind == Instruction::Kind::blobs && code.steps[0].space == 0;
     if (is_sum)
       add_blobs(code.blobs, cell, out);
@@ -186,6 +189,10 @@ private:
     cell.leaf_count = tree->leaf_count, cell.leaves = add(tree->leaves, out.leaf_data);
     cell.space_count = static_cast<uint32_t>(tree->spaces.size());
     cell.spaces = static_cast<uint32_t>(add(tree->spaces, out.tree_spaces));
+    cell.solid_count = static_cast<uint32_t>(tree->solids.size());
+    cell.solids = static_cast<uint32_t>(add(tree->solids, out.solids));
+    cell.parts = static_cast<uint32_t>(add(tree->parts, out.solid_parts)),
+    cell.edges = static_cast<uint32_t>(add(tree->edges, out.solid_edges));
     return true;
   }
 
@@ -220,14 +227,28 @@ private:
   }
 
   double skeleton_radius(uint32_t node) const {
+    return visit_skeleton(node, [](const auto& kind) -> double {
+      if constexpr (requires { kind.feature_size(); }) return kind.feature_size();
+      const Vec3 e = kind.support().extent();
+      return 0.5 * double(std::min({e.x, e.y, e.z}));
+    });
+  }
+
+  /// The smallest radius of influence of the skeletons, without their own size, in world units.
+  double smallest_influence(const Code& code) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Instruction& step : code.steps)
+      if (step.kind == Instruction::Kind::skeleton)
+        least =
+            std::min(least, smallest_scale(step.space) * visit_skeleton(step.node, [](const auto& kind) { return reach_of(kind); }));
+    return least;
+  }
+
+  template <class Visit>
+  double visit_skeleton(uint32_t node, Visit&& visit) const {
     return std::visit(
-        [](const auto& kind) -> double {
-          if constexpr (requires { kind.feature_size(); })
-            return kind.feature_size();
-          else if constexpr (Skeleton<std::decay_t<decltype(kind)>>) {
-            const Vec3 e = kind.support().extent();
-            return 0.5 * std::min({e.x, e.y, e.z});
-          }
+        [&](const auto& kind) -> double {
+          if constexpr (Skeleton<std::decay_t<decltype(kind)>>) return visit(kind);
           return 0;
         },
         program_.field.nodes[node]);

@@ -18,7 +18,7 @@ struct Cell {
     mixed_blobs,        ///< a sum of any blobs: arrays x y z s=1 k a b with f = sum q^2 (a + b q), q = max(0, s - k d^2)
     moving_pure_blobs,  ///< as pure_blobs, and their centres move: after that x y z of the way they go in the slab
     moving_mixed_blobs, ///< as mixed_blobs, and anything of them moves: after that the changes of x y z k a b
-    tree,               ///< sums, Booleans and cone-spheres that stand: see tree.h
+    tree,               ///< operators and skeletons that stand: see tree.h
     moving_tree,        ///< the same in motion: kept as code, of which each ray makes its own tree
     code,               ///< anything else
   };
@@ -35,6 +35,8 @@ struct Cell {
   bool is_monotone = true;              ///< of a tree: TreeView::is_monotone
   uint64_t leaves = 0;                  ///< of a tree: into ShapeCells::leaf_data
   uint32_t space_count = 0, spaces = 0; ///< of a tree: how many and where in ShapeCells::tree_spaces
+  uint32_t solid_count = 0, solids = 0; ///< of a tree: how many and where in ShapeCells::solids
+  uint32_t parts = 0, edges = 0;        ///< where those of its solids begin
 };
 
 /// All cells of one shape in a slab of time: where nothing moves, the whole time. The code of a cell refers to `operands`
@@ -45,6 +47,9 @@ struct ShapeCells {
   std::vector<float> leaf_data; ///< blobs, and the leaves of trees
   std::vector<TreeStep> tree_steps;
   std::vector<TreeSpace> tree_spaces;
+  std::vector<SolidLeaf> solids;
+  std::vector<SolidPart> solid_parts;
+  std::vector<SolidEdge> solid_edges;
   std::vector<Instruction> steps;
   std::vector<uint32_t> operands, blob_indices;
   float slab_start = 0, slabs = 1; ///< the slab is [start, start + 1 / slabs] of the open shutter
@@ -57,8 +62,12 @@ struct ShapeCells {
     return view;
   }
   TreeView tree(const Cell& c) const {
-    return {std::span(tree_steps).subspan(c.first, c.count), std::span(tree_spaces).subspan(c.spaces, c.space_count),
-            leaf_data.data() + c.leaves, c.leaf_count, c.is_monotone};
+    return {std::span(tree_steps).subspan(c.first, c.count),
+            std::span(tree_spaces).subspan(c.spaces, c.space_count),
+            leaf_data.data() + c.leaves,
+            c.leaf_count,
+            c.is_monotone,
+            {std::span(solids).subspan(c.solids, c.solid_count), solid_parts.data() + c.parts, solid_edges.data() + c.edges}};
   }
   const float* blobs(const Cell& c) const { return leaf_data.data() + c.first; }
   size_t bytes() const;

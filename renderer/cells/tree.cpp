@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "renderer/cells/solid_parts.h"
 #include "renderer/program/evaluate.h"
 
 namespace kelpie {
@@ -15,6 +16,8 @@ using LeafNumbers = std::array<float, k_leaf_rows>;
 
 /// Where warps turn rays more than this within a cell (at kinks and tears, mostly), bounds by tangents are loose.
 constexpr double k_most_drift = 1;
+/// Below this exponent a hyper-blend rises too steeply from 0 for float.
+constexpr double k_least_exponent = 0.2;
 /// Steeper, the place of the nearest ball would drown in rounding; the distance hardly feels it.
 constexpr double k_steepest = 1e5;
 
@@ -27,7 +30,19 @@ std::optional<TreeStep::Kind> step_kind(const Kind& kind, Demand demand) {
   if constexpr (std::is_same_v<Kind, Union<M>>) return is_smooth(kind.formula, demand) ? Step::r_union : Step::maximum;
   if constexpr (std::is_same_v<Kind, Intersection<M>>) return is_smooth(kind.formula, demand) ? Step::r_intersection : Step::minimum;
   if constexpr (std::is_same_v<Kind, Difference<M>>) return is_smooth(kind.formula, demand) ? Step::r_difference : Step::difference;
+  if constexpr (std::is_same_v<Kind, HyperBlend<M>>) return Step::hyper_blend;
+  if constexpr (std::is_same_v<Kind, LocalBlend<M>>) return Step::local_blend;
   return {};
+}
+
+/// g++ 12 makes nothing of Vec3d(Vec3(v)): it folds the conversions of two lanes at once, and drops the rounding.
+Vec3d rounded_to_float(const Vec3d& v) {
+  Vec3d r;
+  for (int i = 0; i < 3; ++i) {
+    const volatile float rounded = static_cast<float>(v[i]);
+    r[i] = rounded;
+  }
+  return r;
 }
 
 class TreeMaker {
@@ -58,20 +73,43 @@ private:
   bool emit(uint32_t position, size_t depth, bool is_subtracted) {
     if (depth >= k_tree_depth) return false;
     const Instruction& step = code_.steps[position];
+    if (is_solid(step)) return emit_solid(step, is_subtracted);
     const std::optional<TreeStep::Kind> kind = step.kind == Instruction::Kind::combine ? kind_of(step) : TreeStep::Kind::sum;
     if (!kind) return false;
     if (*kind == TreeStep::Kind::sum) return emit_sum(position, depth, is_subtracted);
+    if (*kind == TreeStep::Kind::local_blend && step.count > 1) return emit_local_blend(step, depth, is_subtracted);
     const bool subtracts = *kind == TreeStep::Kind::difference || *kind == TreeStep::Kind::r_difference;
-    const bool is_clamped = subtracts || *kind == TreeStep::Kind::r_union || *kind == TreeStep::Kind::r_intersection;
+    const bool is_clamped =
+        subtracts || *kind == TreeStep::Kind::r_union || *kind == TreeStep::Kind::r_intersection || *kind == TreeStep::Kind::hyper_blend;
     if (is_clamped && step.count == 1) return false; // the part above 0 of a lone operand
+    const float exponent = *kind == TreeStep::Kind::hyper_blend ? exponent_of(step) : 1;
+    if (exponent < k_least_exponent) return false;
     out_.is_monotone &= *kind != TreeStep::Kind::r_union;
     // Joined two by two, so that the stack stays low however many there are.
     uint32_t count = 0;
+    const size_t first = out_.steps.size();
     for (const uint32_t operand : operands(step)) {
       const bool flips = subtracts && count > 0;
       if (!emit(operand, depth + (count > 0), is_subtracted != flips)) return false;
-      if (count++ > 0) out_.steps.push_back({*kind, 0, 2, is_subtracted});
+      if (count++ > 0) out_.steps.push_back({*kind, 0, 2, is_subtracted, exponent});
     }
+    // Below 1 it rises from 0 infinitely fast, and in float R-functions are not quite 0 where they should be.
+    const auto is_r_function = [](const TreeStep& s) {
+      return s.kind >= TreeStep::Kind::r_union && s.kind <= TreeStep::Kind::r_difference;
+    };
+    return exponent >= 1 || std::none_of(out_.steps.begin() + std::ptrdiff_t(first), out_.steps.end(), is_r_function);
+  }
+
+  float exponent_of(const Instruction& step) const { return std::get<HyperBlend<SampledMode>>(program_.field.nodes[step.node]).n; }
+
+  /// All operands at once: it is not made of pairs. With the region it falls where the children that are not the largest
+  /// are negative.
+  bool emit_local_blend(const Instruction& step, size_t depth, bool is_subtracted) {
+    out_.is_monotone = false;
+    size_t above = 0;
+    for (const uint32_t operand : operands(step))
+      if (!emit(operand, depth + above++, is_subtracted)) return false;
+    out_.steps.push_back({TreeStep::Kind::local_blend, 0, step.count, is_subtracted});
     return true;
   }
 
@@ -95,10 +133,12 @@ private:
     const Instruction& step = code_.steps[position];
     switch (step.kind) {
     case Instruction::Kind::blobs: return add_blobs(step, is_subtracted);
-    case Instruction::Kind::skeleton: return add_skeleton(step, is_subtracted);
+    case Instruction::Kind::skeleton:
+      if (!is_solid(step)) return add_cone_sphere(step, is_subtracted);
+      break;
     case Instruction::Kind::combine: break;
     }
-    if (kind_of(step) != TreeStep::Kind::sum) {
+    if (is_solid(step) || kind_of(step) != TreeStep::Kind::sum) {
       others.push_back(position);
       return true;
     }
@@ -116,17 +156,77 @@ private:
     return true;
   }
 
-  bool add_skeleton(const Instruction& step, bool is_subtracted) {
+  /// Calls visit(kind, solid) for the skeleton of a step; false for a signed distance, which no tree has.
+  template <class Visit>
+  bool visit_skeleton(const Instruction& step, Visit&& visit) const {
     return std::visit(
         [&](const auto& kind) {
-          if constexpr (ConeSphereSkeleton<std::decay_t<decltype(kind)>>) {
-            const FalloffPolynomial f = polynomial(kind.falloff);
-            const double weight = kind.weight;
-            return add(step.space, kind.solid(), 1 / square(double(kind.radius)), weight * f.a, weight * f.b, is_subtracted);
-          }
+          if constexpr (SolidSkeleton<std::decay_t<decltype(kind)>>) return visit(kind, kind.solid());
           return false;
         },
         program_.field.nodes[step.node]);
+  }
+
+  /// Whether a step is a skeleton that is no cone-sphere.
+  bool is_solid(const Instruction& step) const {
+    if (step.kind != Instruction::Kind::skeleton) return false;
+    return visit_skeleton(step, [](const auto&, const auto& solid) { return !std::is_same_v<decltype(solid), const ConeSphereSolid&>; });
+  }
+
+  bool add_cone_sphere(const Instruction& step, bool is_subtracted) {
+    return visit_skeleton(step, [&](const auto& kind, const auto& solid) {
+      if constexpr (std::is_same_v<decltype(solid), const ConeSphereSolid&>) {
+        const FalloffPolynomial f = polynomial(kind.falloff);
+        const double weight = kind.weight;
+        return add(step.space, solid, 1 / square(double(kind.radius)), weight * f.a, weight * f.b, is_subtracted);
+      }
+      return false;
+    });
+  }
+
+  bool emit_solid(const Instruction& step, bool is_subtracted) {
+    Base base;
+    Affine local_from_base;
+    if (!find_base(step.space, base, local_from_base)) return false;
+    SolidLeaf leaf{};
+    const double half = 0.5 * double(cell_.diagonal()), infinity = std::numeric_limits<double>::infinity();
+    const SolidPlace place{local_from_base(base.centre), local_from_base.linear,
+                           base.slot == 0 ? half * stretch(local_from_base.linear) : infinity};
+    const bool is_known = visit_skeleton(step, [&](const auto& kind, const auto& solid) {
+      const FalloffPolynomial f = polynomial(kind.falloff);
+      const double weight = kind.weight;
+      leaf.k = static_cast<float>(1 / square(double(kind.radius)));
+      leaf.a = static_cast<float>(weight * f.a), leaf.b = static_cast<float>(weight * f.b);
+      return add_solid(step.node, solid, place, leaf);
+    });
+    if (!is_known) return false;
+    leaf.sign = (leaf.a + leaf.b < 0) == is_subtracted ? 1.f : -1.f;
+    leaf.slot = base.slot, leaf.drift = static_cast<float>(base.turning * stretch(local_from_base.linear));
+    leaf.node = step.node, leaf.space = step.space;
+    out_.steps.push_back({TreeStep::Kind::solid, static_cast<uint32_t>(out_.solids.size()), 1, is_subtracted});
+    out_.solids.push_back(leaf);
+    return true;
+  }
+
+  template <class Solid>
+  bool add_solid(uint32_t, const Solid& solid, const SolidPlace& place, SolidLeaf& leaf) {
+    if constexpr (std::is_same_v<Solid, ConeSphereSolid>)
+      return false;
+    else {
+      add_parts(solid, place, out_, leaf);
+      return true;
+    }
+  }
+  bool add_solid(uint32_t, const HullSolid<std::array<Vec3, 4>>& solid, const SolidPlace& place, SolidLeaf& leaf) {
+    add_parts(hull_faces(solid.points), place, out_, leaf);
+    return true;
+  }
+  /// Finding the faces of many points takes long, and such hulls do not move.
+  bool add_solid(uint32_t node, const HullSolid<std::span<const Vec3>>&, const SolidPlace& place, SolidLeaf& leaf) {
+    const auto found = program_.hulls.find(node);
+    if (found == program_.hulls.end()) return false;
+    add_parts(found->second, place, out_, leaf);
+    return true;
   }
 
   /// Where the leaves of a space are computed from: the world, or a warped space that is a base of others.
@@ -149,15 +249,21 @@ private:
       }
     base.centre = Vec3d(cell_.centre());
     if (warped != 0) {
+      const Space& warp = program_.spaces[warped];
+      Base parent;
+      Affine parent_from_base;
+      if (!find_base(warp.parent, parent, parent_from_base)) return false;
       base.slot = static_cast<uint32_t>(out_.spaces.size()) + 1;
       SpacePoints<double> points;
       points.begin(program_);
       const Point3<double> c = points.at(program_, warped, {base.centre.x, base.centre.y, base.centre.z});
-      const Vec3 rounded(Vec3d(c.x, c.y, c.z));
-      base.centre = Vec3d(rounded);
+      base.centre = rounded_to_float({c.x, c.y, c.z});
       base.turning = turning(program_, warped, cell_);
       if (!(base.turning <= k_most_drift) || out_.spaces.size() == k_tree_spaces) return false;
-      out_.spaces.push_back({warped, rounded});
+      const LaneWarp lanes = std::visit(
+          [&](const auto& kind) { return lane_warp(kind, warp.local_from_parent * parent_from_base, parent.centre, base.centre); },
+          program_.field.nodes[warp.warp]);
+      out_.spaces.push_back({warped, Vec3(base.centre), parent.slot, lanes});
     }
     bases_.emplace_back(warped, base);
     return true;

@@ -1,5 +1,6 @@
 #include "renderer/program/bound.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "field/skeletons/range.h"
@@ -23,20 +24,65 @@ struct LocalBox : BoxPoint {
 /// Boxes in the spaces of a program, one after the other: a space's steps mostly are neighbours.
 class LocalBoxes {
 public:
-  LocalBoxes(const FieldProgram& program, const Box3d& box) : program_(program), world_(box), last_(world_) {}
+  LocalBoxes(const FieldProgram& program, const Box3d& box) : program_(program), world_(box) {}
 
-  const LocalBox& in_space(uint32_t space) {
-    if (space == 0) return world_;
+  /// Mostly one. Where the map to the space is torn, as many as hold all images of the box but those that are nowhere.
+  std::span<const LocalBox> in_space(uint32_t space) {
+    if (space == 0) return {&world_, 1};
     if (space == last_space_) return last_;
-    last_space_ = space;
+    last_space_ = space, is_torn_ = false;
+    last_.clear();
     if (program_.motion && program_.motion->spaces[space])
-      last_ = LocalBox(image_in_space(program_, space, world_.box));
+      last_.emplace_back(image_in_space(program_, space, world_.box));
+    else if (program_.spaces[space].is_affine_in_world())
+      last_.push_back(through(program_.spaces[space].local_from_parent));
+    else if (std::vector<Box3d> images; tear(space, images))
+      for (const Box3d& image : images) last_.emplace_back(image);
     else
-      last_ = program_.spaces[space].is_affine_in_world() ? through(program_.spaces[space].local_from_parent) : through_warps(space);
+      last_.push_back(through_warps(space));
     return last_;
   }
+  /// Whether the boxes of the space that was asked for last may lack what is nowhere, where fields are 0.
+  bool is_torn(uint32_t space) const { return space != 0 && is_torn_; }
 
 private:
+  /// The images of the box in a space, by values alone; whether any warp on the way tears it.
+  bool tear(uint32_t index, std::vector<Box3d>& images) {
+    if (index == 0) {
+      images = {world_.box};
+      return false;
+    }
+    const Space& space = program_.spaces[index];
+    std::vector<Box3d> before;
+    tear(space.parent, before);
+    images.clear();
+    std::vector<Box3d> torn;
+    for (const Box3d& parent : before) {
+      const Box3d box = image_of(space.local_from_parent, parent);
+      if (space.warp == Space::k_no_warp) {
+        images.push_back(box);
+        continue;
+      }
+      std::visit(
+          [&](const auto& kind) {
+            using K = std::decay_t<decltype(kind)>;
+            if constexpr (TearingWarp<K>)
+              if (kind.torn_images(box, torn)) {
+                is_torn_ = true;
+                images.insert(images.end(), torn.begin(), torn.end());
+                return;
+              }
+            if constexpr (Warp<K>) {
+              const Point3<Interval> q = kind.child_from_parent(
+                  Point3<Interval>{{box.lower.x, box.upper.x}, {box.lower.y, box.upper.y}, {box.lower.z, box.upper.z}});
+              images.push_back({{q.x.lo, q.y.lo, q.z.lo}, {q.x.hi, q.y.hi, q.z.hi}});
+            }
+          },
+          program_.field.nodes[space.warp]);
+    }
+    return is_torn_;
+  }
+
   LocalBox through(const Affine& f) const { return LocalBox(image_of(f, world_.box)); }
 
   /// The world's coordinates are the variables. The image is bounded by the natural extension, met with the
@@ -60,8 +106,10 @@ private:
   }
 
   const FieldProgram& program_;
-  LocalBox world_, last_;
+  LocalBox world_;
+  std::vector<LocalBox> last_;
   uint32_t last_space_ = 0;
+  bool is_torn_ = false;
 };
 
 /// Bounds a step of blobs; appends those that reach the box to `out` and makes the step refer to them.
@@ -79,6 +127,24 @@ Interval bound_blobs(const FieldProgram& program, std::span<const uint32_t> list
   out.resize(first + count);
   step.count = static_cast<uint32_t>(count);
   return count == 0 ? Interval{0} : range;
+}
+
+/// The same over several boxes: of blobs that reach any of them.
+Interval bound_torn_blobs(const FieldProgram& program, std::span<const uint32_t> list, Instruction& step, std::span<const LocalBox> boxes,
+                          std::vector<uint32_t>& out) {
+  Interval range(0.0);
+  std::vector<uint32_t> reaching, of_one;
+  for (const LocalBox& at : boxes) {
+    of_one.clear();
+    range = hull(range, bound_blobs(program, list, step, at.box, of_one));
+    reaching.insert(reaching.end(), of_one.begin(), of_one.end());
+  }
+  std::sort(reaching.begin(), reaching.end());
+  step.first = static_cast<uint32_t>(out.size());
+  for (const uint32_t i : list)
+    if (std::binary_search(reaching.begin(), reaching.end(), i)) out.push_back(i);
+  step.count = static_cast<uint32_t>(out.size()) - step.first;
+  return range;
 }
 
 Interval bound_node(const FieldProgram& program, const Code& code, const Instruction& step, const LocalBox& at,
@@ -189,10 +255,21 @@ Code bound(const FieldProgram& program, const Code& code, const Box3d& box, std:
   out.blobs.reserve(code.blobs.size() + k_blob_bound_slack);
   LocalBoxes boxes(program, box);
   for (Instruction& step : out.steps) {
-    const LocalBox& local = boxes.in_space(step.space);
-    const std::span<const uint32_t> list = std::span(code.blobs).subspan(step.kind == Instruction::Kind::blobs ? step.first : 0);
-    ranges.push_back(step.kind == Instruction::Kind::blobs ? bound_blobs(program, list.first(step.count), step, local.box, out.blobs)
-                                                           : bound_node(program, code, step, local, ranges));
+    const bool has_blobs = step.kind == Instruction::Kind::blobs;
+    const std::span<const uint32_t> list = std::span(code.blobs).subspan(has_blobs ? step.first : 0, has_blobs ? step.count : 0);
+    const std::span<const LocalBox> local = boxes.in_space(step.space);
+    if (local.size() == 1 && !boxes.is_torn(step.space)) {
+      ranges.push_back(has_blobs ? bound_blobs(program, list, step, local[0].box, out.blobs)
+                                 : bound_node(program, code, step, local[0], ranges));
+      continue;
+    }
+    Interval range(0.0); // that of what is nowhere
+    if (has_blobs) {
+      range = bound_torn_blobs(program, list, step, local, out.blobs);
+    } else {
+      for (const LocalBox& at : local) range = hull(range, bound_node(program, code, step, at, ranges));
+    }
+    ranges.push_back(range);
   }
   return out;
 }

@@ -1,6 +1,7 @@
 #include <array>
 #include <optional>
 
+#include "renderer/program/expand.h"
 #include "renderer/program/support.h"
 
 namespace kelpie {
@@ -39,7 +40,7 @@ public:
 
   void run() {
     Sum sum;
-    add_to_sum(static_cast<uint32_t>(first().field.nodes.size() - 1), View{0, std::vector<Affine>(moments_.size())}, Demand::sign, sum);
+    add_to_sum(static_cast<uint32_t>(first().field.root()), View{0, std::vector<Affine>(moments_.size())}, Demand::sign, sum);
     finish(sum);
     for (size_t i = 1; i < moments_.size(); ++i) moments_[i].code = first().code;
     for (FieldProgram& m : moments_) find_support(m, nullptr, m.support);
@@ -84,7 +85,13 @@ private:
           } else if constexpr (BlobSource<K>) {
             add_blobs<K>(index, view, sum);
           } else if constexpr (Skeleton<K>) {
-            sum.others.push_back(emit({Instruction::Kind::skeleton, index, space_of(view), 0, 0, Demand::value}));
+            sum.others.push_back(emit_skeleton<K>(index, space_of(view)));
+          } else if constexpr (ComplexPrimitive<K>) {
+            View below = view;
+            if constexpr (requires { kind.parent_from_pieces(); })
+              for (size_t i = 0; i < moments_.size(); ++i)
+                below.space_from_here[i] = view.space_from_here[i] * node<K>(i, index).parent_from_pieces();
+            sum.others.push_back(emit_pieces(kind.expansion, below, demand));
           } else {
             const std::vector<uint32_t> children = operands_of(kind);
             const Demand below = kind.demand_of_operands(demand, children.size());
@@ -98,6 +105,30 @@ private:
           }
         },
         first().field.nodes[index]);
+  }
+
+  template <class Kind>
+  uint32_t emit_skeleton(uint32_t index, uint32_t space) {
+    if constexpr (std::is_same_v<Kind, Polyhedron<SampledMode>>)
+      for (size_t i = 0; i < moments_.size(); ++i) {
+        const auto& points = node<Kind>(i, index).points;
+        if (points.size() <= k_most_hull_points) moments_[i].hulls.emplace(index, hull_faces(points));
+      }
+    return emit({Instruction::Kind::skeleton, index, space, 0, 0, Demand::value});
+  }
+
+  uint32_t emit_pieces(const Expansion& expansion, const View& view, Demand demand) {
+    const uint32_t space = space_of(view);
+    std::vector<uint32_t> operands;
+    operands.reserve(expansion.count);
+    for (uint32_t i = expansion.first; i < expansion.first + expansion.count; ++i)
+      std::visit(
+          [&]<class Kind>(const Kind&) {
+            if constexpr (Skeleton<Kind>) operands.push_back(emit_skeleton<Kind>(i, space));
+          },
+          first().field.nodes[i]);
+    if (operands.size() == 1) return operands[0];
+    return emit_combine(static_cast<uint32_t>(first().field.nodes.size() - 1), operands, demand); // the union of all pieces
   }
 
   template <class Kind>
@@ -194,6 +225,7 @@ private:
 
 std::vector<FieldProgram> compile(std::vector<SampledField> moments, std::span<const double> thresholds) {
   std::vector<FieldProgram> programs(moments.size());
+  expand(moments);
   for (size_t i = 0; i < moments.size(); ++i) programs[i].threshold = thresholds[i], programs[i].field = std::move(moments[i]);
   Compiler(programs).run();
   return programs;

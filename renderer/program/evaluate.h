@@ -70,8 +70,8 @@ Real evaluate_step(const FieldProgram& program, const CodeView& code, const Inst
     return std::visit(
         [&](const auto& kind) {
           using K = std::decay_t<decltype(kind)>;
-          if constexpr (SignedDistance<K>) return kind.potential(local) * potential_unit(kind, program.threshold);
-          if constexpr (Skeleton<K>) return kind.potential(local);
+          if constexpr (SignedDistance<K>) return potential(kind, local) * potential_unit(kind, program.threshold);
+          if constexpr (SolidSkeleton<K>) return potential(kind, local);
           return Real(0.0);
         },
         program.field.nodes[step.node]);

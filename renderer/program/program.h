@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <span>
+#include <unordered_map>
 
+#include "field/skeletons/hull_faces.h"
 #include "scene/scene.h"
 
 namespace kelpie {
@@ -48,6 +50,9 @@ struct Space {
   bool is_affine_in_world() const { return parent == 0 && warp == k_no_warp; }
 };
 
+/// Finding the faces of hulls takes the fourth power of this.
+inline constexpr size_t k_most_hull_points = 64;
+
 struct Motion;
 
 /// The compiled field of one shape. Leaves refer to `field`, so it is held here.
@@ -55,10 +60,11 @@ struct FieldProgram {
   double threshold = 1;
   SampledField field;
   BlobArrays blobs;
-  std::vector<Space> spaces;            ///< parents before children; the first is the world
-  Code code;                            ///< everything, not pruned
-  Box3d support;                        ///< the field is at most 0 outside
-  std::shared_ptr<const Motion> motion; ///< how all this changes over a slab of time (motion.h); null: it does not
+  std::vector<Space> spaces;                                 ///< parents before children; the first is the world
+  Code code;                                                 ///< everything, not pruned
+  std::unordered_map<uint32_t, std::vector<HullFace>> hulls; ///< of the nodes that are polyhedra of up to k_most_hull_points
+  Box3d support;                                             ///< the field is at most 0 outside
+  std::shared_ptr<const Motion> motion;                      ///< how all this changes over a slab of time (motion.h); null: it does not
 
   /// Number of blobs and skeletons.
   size_t element_count() const;

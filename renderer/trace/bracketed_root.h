@@ -7,13 +7,18 @@ namespace kelpie {
 
 /// A place between a and b where g, with g(a) = ga < 0 <= gb = g(b), is within `tolerance` of 0, or which no number of the type
 /// is nearer to it: regula falsi as modified by Anderson and Björck (1973). It takes a third of the steps of the
-/// Illinois rule, and does not stall where the slope jumps at the root itself, as that of an R-union of two like fields.
+/// Illinois rule, and does not stall where the slope jumps at the root itself, as that of an R-union of two like fields. Where it
+/// is slow all the same (beyond a crease g may rise a thousand times faster than before it) the bracket is halved.
 template <class Real, class Function>
 Real bracketed_root(const Function& g, Real a, Real ga, Real b, Real gb, Real tolerance) {
-  Real r = b;
+  Real r = b, width = b - a;
   int side = 0; // which end the last place replaced
-  for (int i = 0; i < 40; ++i) {
+  for (int i = 0; i < 60; ++i) {
     r = a + (b - a) * (-ga / (gb - ga));
+    if (i % 4 == 3) {
+      if (b - a > Real(0.5) * width) r = Real(0.5) * (a + b);
+      width = b - a;
+    }
     if (!(r > a && r < b)) break;
     const Real gr = g(r);
     if (std::abs(gr) <= tolerance) break;

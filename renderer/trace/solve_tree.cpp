@@ -1,8 +1,8 @@
-// The solver for trees of cone-spheres. Along a ray the distance to a convex solid is convex, so its tangent at
-// the middle of a stretch bounds it from below over the stretch, and the larger of its ends from above. With
-// these every leaf, and by the operators (each monotone in each operand) the field, has a bound over a stretch
-// that misses the field by the square of the stretch's length. 16 stretches are bounded at once in SIMD lanes.
-// A stretch that the bound does not clear is looked into 16 times finer. Nothing is missed, nothing is guessed.
+// The solver for trees. Along a ray the distance to a convex solid is convex, so its tangent at
+// the middle of a stretch bounds it from below over the stretch, and the larger of its ends from above (solids that
+// are not convex: solid_leaf-inl.h). With these every leaf, and by the operators (each monotone in each operand) the field, has a bound
+// over a stretch that misses the field by the square of the stretch's length. 16 stretches are bounded at once in SIMD lanes. A stretch
+// that the bound does not clear is looked into 16 times finer. Nothing is missed, nothing is guessed.
 //
 // Where only one ray and one place are asked for, the lanes are the leaves.
 
@@ -17,8 +17,10 @@
 
 #include "renderer/program/motion.h"
 #include "renderer/trace/bracketed_root.h"
+#include "renderer/trace/solid_leaf-inl.h"
 #include "renderer/trace/solve.h"
 #include "renderer/trace/tree_leaf-inl.h"
+#include "renderer/trace/warp_lanes-inl.h"
 #include "renderer/trace/warped_ray.h"
 
 #ifndef KELPIE_SOLVE_TREE_ONCE
@@ -31,10 +33,12 @@ struct TreeRay {
   std::vector<float> px, py, pz, vx, vy, vz; ///< place and velocity in the leaf's space, by the latest question: where not
   std::vector<float> value;                  ///< by the latest question
   std::vector<char> is_active;               ///< the leaf reaches the segment
-  std::vector<WarpedRay::Place> places;      ///< of each warped space
+  std::vector<float> solid_value;            ///< of each solid, by the latest question
+  std::vector<char> is_solid_active;
+  std::vector<WarpedRay::Place> places; ///< of each warped space
 
-  void resize(size_t n, size_t spaces) {
-    places.resize(spaces);
+  void resize(size_t n, size_t solids, size_t spaces) {
+    places.resize(spaces), solid_value.resize(solids), is_solid_active.resize(solids);
     if (x0.size() >= n) return;
     for (auto* list : {&x0, &y0, &z0, &x1, &y1, &z1, &px, &py, &pz, &vx, &vy, &vz, &value}) list->resize(n);
     is_active.resize(n);
@@ -46,44 +50,74 @@ inline constexpr size_t k_stretches = 16;
 inline constexpr int k_most_levels = 7;
 
 /// A field and its gradient.
+template <class Gradient>
 struct FieldValue {
   double f = 0;
-  Vec3d g{0};
+  Gradient g{};
 };
 
-/// Two fields joined. `b` is what is subtracted, as it is.
-inline FieldValue join(TreeStep::Kind kind, double threshold, const FieldValue& a, const FieldValue& b) {
+/// In place of a gradient where only the value is asked for.
+struct NoGradient {
+  friend NoGradient operator+(NoGradient, NoGradient) { return {}; }
+  friend NoGradient operator-(NoGradient, NoGradient) { return {}; }
+  friend NoGradient operator-(NoGradient) { return {}; }
+  friend NoGradient operator*(double, NoGradient) { return {}; }
+};
+
+/// By the skeleton's own formula.
+inline FieldValue<Vec3d> solid_field(const FieldProgram& program, const SolidLeaf& leaf, const Vec3& place) {
+  using D = Dual<double, 3>;
+  thread_local SpacePoints<D> points;
+  points.begin(program);
+  const Point3<D> p = points.at(program, leaf.space, {D::variable(place.x, 0), D::variable(place.y, 1), D::variable(place.z, 2)});
+  return std::visit(
+      [&](const auto& kind) -> FieldValue<Vec3d> {
+        if constexpr (SolidSkeleton<std::decay_t<decltype(kind)>>) {
+          const D f = potential(kind, p);
+          return {f.value, {f.d[0], f.d[1], f.d[2]}};
+        }
+        return {};
+      },
+      program.field.nodes[leaf.node]);
+}
+
+/// The operands at(0), at(1), … joined. What is subtracted is given as it is.
+template <class Gradient, class At>
+FieldValue<Gradient> join_fields(const TreeStep& step, double threshold, const At& at) {
   using Kind = TreeStep::Kind;
-  const FieldValue rest{2 * threshold - b.f, -b.g};
-  const auto smaller = [](const FieldValue& x, const FieldValue& y) { return x.f < y.f ? x : y; };
-  const auto above_0 = [](const FieldValue& x) { return x.f > 0 ? x : FieldValue{}; };
-  const auto r_function = [&]<class Function>(Function, const FieldValue& x, const FieldValue& y) {
-    const FieldValue p = above_0(x), q = above_0(y);
+  using Value = FieldValue<Gradient>;
+  const Value a = at(0), b = at(1), rest{2 * threshold - b.f, -b.g};
+  const auto smaller = [](const Value& x, const Value& y) { return x.f < y.f ? x : y; };
+  const auto larger = [](const Value& x, const Value& y) { return x.f > y.f ? x : y; };
+  const auto above_0 = [](const Value& x) { return x.f > 0 ? x : Value{}; };
+  const auto r_function = [&]<class Function>(Function, const Value& x, const Value& y) {
+    const Value p = above_0(x), q = above_0(y);
     const double s = p.f / threshold, t = q.f / threshold;
-    return FieldValue{threshold * Function::join(s, t), Function::slope(s, t) * p.g + Function::slope(t, s) * q.g};
+    return Value{threshold * Function::join(s, t), Function::slope(s, t) * p.g + Function::slope(t, s) * q.g};
   };
-  switch (kind) {
-  case Kind::maximum: return a.f > b.f ? a : b;
+  switch (step.kind) {
+  case Kind::maximum: return larger(a, b);
   case Kind::minimum: return smaller(a, b);
   case Kind::difference: return above_0(smaller(a, rest));
   case Kind::r_union: return r_function(r_function::Unite{}, a, b);
   case Kind::r_intersection: return r_function(r_function::Intersect{}, a, b);
   case Kind::r_difference: return r_function(r_function::Intersect{}, a, rest);
-  default: return {a.f + b.f, a.g + b.g};
+  case Kind::hyper_blend: {
+    const Value x = above_0(larger(a, b)), y = above_0(smaller(a, b));
+    if (y.f == 0) return x;
+    const double n = step.exponent, factor = std::pow(1 + std::pow(y.f / x.f, n), 1 / n);
+    return {x.f * factor, std::pow(factor, 1 - n) * (x.g + std::pow(y.f / x.f, n - 1) * y.g)};
   }
-}
-/// Values alone.
-inline double join(TreeStep::Kind kind, double threshold, double a, double b) {
-  using Kind = TreeStep::Kind;
-  const auto in_units = [&](double f) { return std::max(0.0, f) / threshold; };
-  switch (kind) {
-  case Kind::maximum: return std::max(a, b);
-  case Kind::minimum: return std::min(a, b);
-  case Kind::difference: return std::max(0.0, std::min(a, 2 * threshold - b));
-  case Kind::r_union: return threshold * r_function::Unite::join(in_units(a), in_units(b));
-  case Kind::r_intersection: return threshold * r_function::Intersect::join(in_units(a), in_units(b));
-  case Kind::r_difference: return threshold * r_function::Intersect::join(in_units(a), in_units(2 * threshold - b));
-  default: return a + b;
+  case Kind::local_blend: {
+    Value most = a, sum = a;
+    for (uint32_t i = 1; i + 1 < step.count; ++i) most = larger(most, at(i)), sum = {sum.f + at(i).f, sum.g + at(i).g};
+    const Value region = at(step.count - 1);
+    const bool is_between = region.f > 0 && region.f < 1;
+    const double in_region = std::min(std::max(region.f, 0.0), 1.0);
+    return {most.f + in_region * (sum.f - most.f),
+            most.g + in_region * (sum.g - most.g) + (is_between ? (sum.f - most.f) * region.g : Gradient{})};
+  }
+  default: return {a.f + b.f, a.g + b.g};
   }
 }
 
@@ -125,7 +159,7 @@ public:
 private:
   /// Puts the ray into the frames of the leaves; false if the field cannot reach the threshold on the segment.
   bool set_up(float half) {
-    ray_.resize(tree_.leaf_count, curves_.count());
+    ray_.resize(tree_.leaf_count, tree_.solids.leaves.size(), curves_.count());
     if (curves_.count() > 0) find_places(0);
     const Vec3& d = segment_.direction;
     const V3 m{set(place_.x), set(place_.y), set(place_.z)}, direction{set(d.x), set(d.y), set(d.z)};
@@ -146,11 +180,19 @@ private:
       hn::StoreMaskBits(k_lanes, reaches, bits);
       for (size_t j = 0; j < k_width; ++j) ray_.is_active[i + j] = bits[j / 8] >> (j % 8) & 1;
     }
+    for (size_t i = 0; i < tree_.solids.leaves.size(); ++i) {
+      const SolidLeaf& leaf = tree_.solids.leaves[i];
+      const WarpedRay::Place at = place_in_base(leaf.slot, 0);
+      const V least = SolidView(tree_.solids, leaf).range(lanes_of(at.at), lanes_of(at.velocity), set(half), false).least;
+      ray_.solid_value[i] = hn::GetLane(solid_potential(leaf, least));
+      ray_.is_solid_active[i] = ray_.solid_value[i] != 0;
+      any |= ray_.is_solid_active[i] != 0;
+    }
     if (!any && sign_ > 0) return false;
     if (!tree_.is_monotone) return true;
     // What a leaf can be at most, 0 if it can only take away.
-    const double most = join_all(
-        [&](const TreeStep& step, size_t i) { return wants_high(step) ? std::max(ray_.value[i], 0.f) : std::min(ray_.value[i], 0.f); });
+    const double most =
+        join_all([&](const TreeStep& step, float peak) { return wants_high(step) ? std::max(peak, 0.f) : std::min(peak, 0.f); });
     return sign_ * (most - threshold_) >= -1e-6f * threshold_;
   }
 
@@ -163,7 +205,10 @@ private:
 
   /// Where the ray is at s in the space of each leaf.
   void find_places(float s) const {
-    curves_.find(segment_.origin, segment_.direction, double(middle_) + double(s), ray_.places.data());
+    Curve curves[k_tree_spaces];
+    find_curves(set(s), curves);
+    const auto first = [](const V3& v) { return Vec3(hn::GetLane(v.x), hn::GetLane(v.y), hn::GetLane(v.z)); };
+    for (size_t i = 0; i < curves_.count(); ++i) ray_.places[i] = {first(curves[i].place), first(curves[i].velocity)};
     const WarpedRay::Place line{place_ + s * segment_.direction, segment_.direction};
     for (size_t i = 0; i < tree_.leaf_count; ++i) {
       const auto slot = static_cast<size_t>(tree_.row(leaf_space, i));
@@ -173,20 +218,46 @@ private:
     }
   }
 
-  /// The field, where leaf i of a step yields leaf(step, i).
+  /// Where the ray is at each s in all warped spaces.
+  void find_curves(V s, Curve* curves) const {
+    const auto by_points = [&](size_t i) {
+      alignas(64) float at[k_width];
+      hn::Store(s, k_lanes, at);
+      CurveRows rows;
+      for (size_t j = 0; j < k_width; ++j)
+        rows.set_lane(j, curves_.find(segment_.origin, segment_.direction, double(middle_) + double(at[j]), i));
+      return rows.curve();
+    };
+    const V3 direction = lanes_of(segment_.direction);
+    HWY_NAMESPACE::find_curves(tree_, {at_time(lanes_of(place_), direction, s), direction}, by_points, curves);
+  }
+
+  static V3 lanes_of(const Vec3& p) { return {set(p.x), set(p.y), set(p.z)}; }
+
+  /// The ray at s in the base of some leaves; for curves, as find_places() has found it.
+  WarpedRay::Place place_in_base(uint32_t slot, float s) const {
+    return slot == 0 ? WarpedRay::Place{place_ + s * segment_.direction, segment_.direction} : ray_.places[slot - 1];
+  }
+
+  /// The field, where a leaf whose number by the latest question is x yields leaf(step, x).
   template <class LeafValue>
   double join_all(const LeafValue& leaf) const {
     double stack[k_tree_depth + 1];
     size_t depth = 0;
     for (const TreeStep& step : tree_.steps) {
-      if (step.kind != TreeStep::Kind::leaves) {
-        --depth;
-        stack[depth - 1] = join(step.kind, threshold_, stack[depth - 1], stack[depth]);
+      if (step.is_join()) {
+        depth -= step.count - 1;
+        stack[depth - 1] = join_fields<NoGradient>(step, threshold_, [&](uint32_t i) {
+                             return FieldValue<NoGradient>{stack[depth - 1 + i], {}};
+                           }).f;
         continue;
       }
       double sum = 0;
-      for (uint32_t i = step.first; i < step.first + step.count; ++i)
-        if (ray_.is_active[i]) sum += leaf(step, i);
+      if (step.kind == TreeStep::Kind::solid)
+        sum = leaf(step, ray_.solid_value[step.first]);
+      else
+        for (uint32_t i = step.first; i < step.first + step.count; ++i)
+          if (ray_.is_active[i]) sum += leaf(step, ray_.value[i]);
       stack[depth++] = sum;
     }
     return stack[0];
@@ -211,24 +282,43 @@ private:
       const Leaf leaf = Leaf::each(tree_, i);
       hn::StoreU(leaf.potential(square_of_positive(offset_of_leaves(leaf, i, place).distance())), k_lanes, &ray_.value[i]);
     }
-    return sign_ * static_cast<float>(join_all([&](const TreeStep&, size_t i) { return ray_.value[i]; }) - double(threshold_));
+    for (size_t i = 0; i < tree_.solids.leaves.size(); ++i) {
+      const SolidLeaf& leaf = tree_.solids.leaves[i];
+      if (!ray_.is_solid_active[i]) continue;
+      const V distance = SolidView(tree_.solids, leaf).distance(lanes_of(place_in_base(leaf.slot, place).at));
+      ray_.solid_value[i] = hn::GetLane(solid_potential(leaf, distance));
+    }
+    return sign_ * static_cast<float>(join_all([&](const TreeStep&, float value) { return value; }) - double(threshold_));
+  }
+
+  /// Whether leaves, at distances that change at these rates, have come nearer for a length and make the field rise, or have
+  /// not reached.
+  static bool only_approach(V distance, V rate, V sign, V k, V length) {
+    const V zero = hn::Zero(k_lanes), nearest = hn::NegMulAdd(hn::Max(rate, zero), length, distance);
+    const auto reaches = hn::Lt(hn::Mul(square_of_positive(nearest), k), set(1));
+    const auto approaches = hn::And(hn::Gt(sign, zero), hn::Le(rate, zero));
+    return hn::AllFalse(k_lanes, hn::AndNot(approaches, reaches));
   }
 
   /// Whether g surely rises all the way from `from` to `to`: every leaf comes nearer that makes it rise, and none
   /// reaches that makes it fall. The distances being convex, `to` tells.
   bool is_rising(float from, float to) const {
     if (sign_ < 0 || curves_.count() > 0 || !tree_.is_monotone) return false;
-    const V zero = hn::Zero(k_lanes), length = set(to - from);
+    const V length = set(to - from);
     for (size_t i = 0; i < tree_.leaf_count; i += k_width) {
       const Leaf leaf = Leaf::each(tree_, i);
       const Offset offset = offset_of_leaves(leaf, i, to);
       const V rate = offset.rate(load(ray_.x1, ray_.y1, ray_.z1, i));
       const V sign = hn::LoadU(k_lanes, tree_.leaves + leaf_sign * tree_.leaf_count + i);
-      const V least = hn::NegMulAdd(hn::Max(rate, zero), length, offset.distance());
-      const V nearest = hn::IfThenElse(hn::Lt(rate, zero), offset.distance(), least);
-      const auto reaches = hn::Lt(hn::Mul(square_of_positive(nearest), leaf.k), set(1));
-      const auto approaches = hn::And(hn::Gt(sign, zero), hn::Le(rate, zero));
-      if (!hn::AllFalse(k_lanes, hn::AndNot(approaches, reaches))) return false;
+      if (!only_approach(offset.distance(), rate, sign, leaf.k, length)) return false;
+    }
+    for (size_t i = 0; i < tree_.solids.leaves.size(); ++i) {
+      if (!ray_.is_solid_active[i]) continue;
+      const SolidLeaf& leaf = tree_.solids.leaves[i];
+      const WarpedRay::Place at = place_in_base(leaf.slot, to);
+      V rate;
+      const V distance = SolidView(tree_.solids, leaf).distance(lanes_of(at.at), lanes_of(at.velocity), rate);
+      if (!only_approach(distance, rate, set(leaf.sign), set(leaf.k), length)) return false;
     }
     return true;
   }
@@ -237,16 +327,21 @@ private:
   void sample(const Row& places, const Row& halves, float* g, float* most) const {
     work_.evaluations += k_stretches;
     Ranges stack[k_tree_depth + 1];
-    Curve curves[k_tree_spaces];
-    find_curves(places, curves);
+    Curve curves[k_vectors][k_tree_spaces];
+    for (size_t j = 0; j < k_vectors && curves_.count() > 0; ++j) find_curves(places.v[j], curves[j]);
     size_t depth = 0;
     for (const TreeStep& step : tree_.steps) {
       if (step.kind == TreeStep::Kind::leaves) {
         add_leaves(step, places, halves, curves, stack[depth++]);
         continue;
       }
-      --depth;
-      for (size_t j = 0; j < k_vectors; ++j) stack[depth - 1].v[j] = join(step.kind, threshold_, stack[depth - 1].v[j], stack[depth].v[j]);
+      if (step.kind == TreeStep::Kind::solid) {
+        find_solid(step, places, halves, curves, stack[depth++]);
+        continue;
+      }
+      depth -= step.count - 1;
+      for (size_t j = 0; j < k_vectors; ++j)
+        stack[depth - 1].v[j] = join_ranges(step, threshold_, [&](uint32_t i) -> const Range& { return stack[depth - 1 + i].v[j]; });
     }
     const V t = set(threshold_), sign = set(sign_);
     for (size_t j = 0; j < k_vectors; ++j) {
@@ -256,28 +351,7 @@ private:
     }
   }
 
-  /// Places and velocities in a warped space.
-  struct Curve {
-    V3 place[k_vectors], velocity[k_vectors];
-  };
-
-  void find_curves(const Row& places, Curve* curves) const {
-    if (curves_.count() == 0) return;
-    alignas(64) float s[k_stretches], numbers[k_tree_spaces][6][k_stretches];
-    for (size_t j = 0; j < k_vectors; ++j) hn::Store(places.v[j], k_lanes, s + j * k_width);
-    for (size_t j = 0; j < k_stretches; ++j) {
-      curves_.find(segment_.origin, segment_.direction, double(middle_) + double(s[j]), ray_.places.data());
-      for (size_t c = 0; c < curves_.count(); ++c)
-        for (int k = 0; k < 3; ++k) numbers[c][k][j] = ray_.places[c].at[k], numbers[c][3 + k][j] = ray_.places[c].velocity[k];
-    }
-    for (size_t c = 0; c < curves_.count(); ++c)
-      for (size_t j = 0; j < k_vectors; ++j) {
-        const auto row = [&](size_t k) { return hn::Load(k_lanes, numbers[c][k] + j * k_width); };
-        curves[c].place[j] = {row(0), row(1), row(2)}, curves[c].velocity[j] = {row(3), row(4), row(5)};
-      }
-  }
-
-  void add_leaves(const TreeStep& step, const Row& places, const Row& halves, const Curve* curves, Ranges& sum) const {
+  void add_leaves(const TreeStep& step, const Row& places, const Row& halves, const Curve (*curves)[k_tree_spaces], Ranges& sum) const {
     const V zero = hn::Zero(k_lanes);
     for (Range& range : sum.v) range = {zero, zero, zero};
     for (uint32_t i = step.first; i < step.first + step.count; ++i) {
@@ -290,10 +364,25 @@ private:
       for (size_t j = 0; j < k_vectors; ++j) {
         const V s = places.v[j];
         const V3 place = slot == 0 ? V3{hn::MulAdd(v.x, s, p.x), hn::MulAdd(v.y, s, p.y), hn::MulAdd(v.z, s, p.z)}
-                                   : place_in_frame(row, curves[slot - 1].place[j]);
-        const V3 velocity = slot == 0 ? v : velocity_in_frame(row, curves[slot - 1].velocity[j]);
+                                   : place_in_frame(row, curves[j][slot - 1].place);
+        const V3 velocity = slot == 0 ? v : velocity_in_frame(row, curves[j][slot - 1].velocity);
         add_leaf(leaf, tree_.is_positive(i), wants_low(step), wants_high(step), place, velocity, drift, halves.v[j], sum.v[j]);
       }
+    }
+  }
+
+  void find_solid(const TreeStep& step, const Row& places, const Row& halves, const Curve (*curves)[k_tree_spaces], Ranges& out) const {
+    const SolidLeaf& leaf = tree_.solids.leaves[step.first];
+    const V zero = hn::Zero(k_lanes);
+    const V3 middle = lanes_of(place_), direction = lanes_of(segment_.direction);
+    for (size_t j = 0; j < k_vectors; ++j) {
+      if (!ray_.is_solid_active[step.first]) {
+        out.v[j] = {zero, zero, zero};
+        continue;
+      }
+      const V3 place = leaf.slot == 0 ? at_time(middle, direction, places.v[j]) : curves[j][leaf.slot - 1].place;
+      const V3 velocity = leaf.slot == 0 ? direction : curves[j][leaf.slot - 1].velocity;
+      out.v[j] = solid_range(tree_.solids, leaf, wants_low(step), wants_high(step), place, velocity, halves.v[j]);
     }
   }
 
@@ -386,10 +475,11 @@ Vec3 TreeGradient(const ShapeCells& shape, const Cell& cell, const Vec3& place) 
   for (auto& list : leaves)
     if (list.size() < n) list.resize(n);
   const SpaceGradients spaces(shape.program, tree, cell, place);
+  alignas(64) float places[3][k_width] = {};
   for (size_t i = 0; i < n; i += k_width) {
     const auto row = [&](uint32_t r) { return hn::LoadU(k_lanes, tree.leaves + r * n + i); };
-    alignas(64) float places[3][k_width];
-    for (size_t j = 0; j < k_width; ++j)
+    const bool is_known = tree.spaces.empty() && i > 0; // all of them are in the world
+    for (size_t j = 0; j < k_width && !is_known; ++j)
       for (int c = 0; c < 3; ++c) places[c][j] = spaces.place(tree.row(leaf_space, i + j))[c];
     const Leaf leaf = Leaf::each(tree, i);
     const Offset offset(leaf,
@@ -408,17 +498,24 @@ Vec3 TreeGradient(const ShapeCells& shape, const Cell& cell, const Vec3& place) 
     for (uint32_t c = 0; c < 3; ++c) hn::StoreU(component(c), k_lanes, &leaves[c + 1][i]);
   }
 
-  std::array<FieldValue, k_tree_depth + 1> stack;
+  std::array<FieldValue<Vec3d>, k_tree_depth + 1> stack;
   size_t depth = 0;
   for (const TreeStep& step : tree.steps) {
-    if (step.kind != TreeStep::Kind::leaves) {
-      --depth;
-      stack[depth - 1] = join(step.kind, shape.program.threshold, stack[depth - 1], stack[depth]);
+    if (step.is_join()) {
+      depth -= step.count - 1;
+      stack[depth - 1] =
+          join_fields<Vec3d>(step, shape.program.threshold, [&](uint32_t i) -> const FieldValue<Vec3d>& { return stack[depth - 1 + i]; });
       continue;
     }
-    FieldValue sum;
-    for (uint32_t i = step.first; i < step.first + step.count; ++i)
+    if (step.kind == TreeStep::Kind::solid) {
+      stack[depth++] = solid_field(shape.program, tree.solids.leaves[step.first], place);
+      continue;
+    }
+    FieldValue<Vec3d> sum;
+    for (uint32_t i = step.first; i < step.first + step.count; ++i) {
+      if (leaves[0][i] == 0) continue;
       sum.f += leaves[0][i], sum.g += Vec3d(spaces.in_world(tree.row(leaf_space, i), Vec3(leaves[1][i], leaves[2][i], leaves[3][i])));
+    }
     stack[depth++] = sum;
   }
   return Vec3(stack[0].g);

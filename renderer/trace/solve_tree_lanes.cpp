@@ -1,4 +1,4 @@
-// The solver for trees of cone-spheres, for packets: lanes are rays. Each lane walks along its own segment (s in
+// The solver for trees, for packets: lanes are rays. Each lane walks along its own segment (s in
 // [-h, h], centred) by stretches of its own length. A stretch is passed if the bound over it (solve_tree.cpp)
 // clears it; if not, a shorter one is tried. The secant of the last two places says where the surface may be, so
 // that stretches end just before it; the last one, shorter than any secondary ray's offset, steps over it.
@@ -15,8 +15,10 @@
 #include <cmath>
 
 #include "renderer/trace/lanes-inl.h"
+#include "renderer/trace/solid_leaf-inl.h"
 #include "renderer/trace/solve.h"
 #include "renderer/trace/tree_leaf-inl.h"
+#include "renderer/trace/warp_lanes-inl.h"
 #include "renderer/trace/warped_ray.h"
 
 #ifndef KELPIE_SOLVE_TREE_LANES_ONCE
@@ -27,15 +29,15 @@ namespace kelpie {
 /// each. Of leaves in warped spaces the first alone counts: 0, or far away.
 struct LaneTree {
   hwy::AlignedFreeUniquePtr<float[]> frames;
-  std::vector<uint32_t> leaves; ///< which they are
-  std::vector<TreeStep> steps;  ///< the tree's, with what is left of their leaves
-  size_t capacity = 0;
+  std::vector<uint32_t> leaves;               ///< which they are
+  std::vector<TreeStep> steps;                ///< the tree's, with what is left of their leaves
+  hwy::AlignedFreeUniquePtr<float[]> reaches; ///< of each solid, a vector: 1 where a lane meets it, else 0
+  size_t capacity = 0, solid_capacity = 0;
 
-  void begin(size_t n) {
+  void begin(size_t n, size_t solids) {
     leaves.clear(), steps.clear();
-    if (capacity >= n) return;
-    capacity = n;
-    frames = hwy::AllocateAligned<float>(n * 6 * k_packet);
+    if (capacity < n) capacity = n, frames = hwy::AllocateAligned<float>(n * 6 * k_packet);
+    if (solid_capacity < solids) solid_capacity = solids, reaches = hwy::AllocateAligned<float>(solids * k_packet);
   }
 };
 
@@ -67,22 +69,36 @@ public:
     live_ = segments.live;
     keep_rays(o, d, middle);
     const V most = set_up(m, d);
-    hit = unsure = inexact_ = no_lanes();
+    hit = unsure = no_lanes();
     if (tree_.is_monotone) live_ = hn::And(live_, hn::Ge(most, set(threshold_ * (1 - 1e-6f))));
     if (none(live_)) return;
     V root;
     march(hn::Sub(enough, middle), hit, root);
-    unsure = hn::Or(live_, inexact_);
+    unsure = live_;
+    if (is_steep()) verify(hn::Sub(enough, middle), root, hit, unsure);
     t = hn::Max(hn::Add(middle, root), segments.entry);
   }
 
 private:
-  /// Places and velocities in a warped space.
-  struct Curve {
-    V3 place, velocity;
-  };
+  /// Whether the field may bend sharply on the surface, so that a secant misses its root.
+  bool is_steep() const {
+    const auto is_steep_join = [](const TreeStep& step) { return step.kind >= TreeStep::Kind::r_union; };
+    return std::any_of(tree_.steps.begin(), tree_.steps.end(), is_steep_join);
+  }
 
-  /// The rays as numbers, for the curves.
+  /// Lanes whose root is none become unsure. Up to `enough` any place inside was good enough, and so it is where the segment begins.
+  void verify(V enough, V root, M& hit, M& unsure) {
+    live_ = hn::And(hit, hn::Gt(root, enough));
+    if (none(live_)) return;
+    V g, most;
+    evaluate(root, hn::Zero(k_lanes), g, most);
+    const V tolerance = set(3e-5f * threshold_);
+    const auto is_late = hn::And(hn::Gt(g, tolerance), hn::Gt(root, hn::Neg(half_)));
+    const auto is_wrong = hn::And(live_, hn::Or(hn::Lt(g, hn::Neg(tolerance)), is_late));
+    hit = hn::AndNot(is_wrong, hit), unsure = hn::Or(unsure, is_wrong);
+  }
+
+  /// The rays as numbers, for warps that are computed point by point.
   void keep_rays(const V3& o, const V3& d, V middle) {
     if (curves_.count() == 0) return;
     const V rows[] = {o.x, o.y, o.z, d.x, d.y, d.z, middle};
@@ -92,33 +108,37 @@ private:
   /// Where the lanes are at s in the warped spaces.
   void find_curves(V s) const {
     if (curves_.count() == 0) return;
-    alignas(64) float at[k_width], numbers[k_tree_spaces][6][k_width] = {};
-    hn::Store(s, k_lanes, at);
-    WarpedRay::Place places[k_tree_spaces];
-    for (uint32_t left = bits_of(live_), i = 0; left != 0; left >>= 1, ++i) {
-      if (!(left & 1)) continue;
-      const Vec3 origin(rays_[0][i], rays_[1][i], rays_[2][i]), direction(rays_[3][i], rays_[4][i], rays_[5][i]);
-      curves_.find(origin, direction, double(rays_[6][i]) + double(at[i]), places);
-      for (size_t c = 0; c < curves_.count(); ++c)
-        for (int k = 0; k < 3; ++k) numbers[c][k][i] = places[c].at[k], numbers[c][3 + k][i] = places[c].velocity[k];
-    }
-    for (size_t c = 0; c < curves_.count(); ++c) {
-      const auto row = [&](size_t k) { return hn::Load(k_lanes, numbers[c][k]); };
-      found_[c] = {{row(0), row(1), row(2)}, {row(3), row(4), row(5)}};
-    }
+    const auto by_points = [&](size_t c) {
+      alignas(64) float at[k_width];
+      hn::Store(s, k_lanes, at);
+      CurveRows rows;
+      for (uint32_t left = bits_of(live_), i = 0; left != 0; left >>= 1, ++i) {
+        if (!(left & 1)) continue;
+        const Vec3 origin(rays_[0][i], rays_[1][i], rays_[2][i]), direction(rays_[3][i], rays_[4][i], rays_[5][i]);
+        rows.set_lane(i, curves_.find(origin, direction, double(rays_[6][i]) + double(at[i]), c));
+      }
+      return rows.curve();
+    };
+    HWY_NAMESPACE::find_curves(tree_, {at_time(middle_, direction_, s), direction_}, by_points, found_);
   }
 
   /// Puts the rays into the frames of the leaves; returns upper bounds of the field on the segments.
   V set_up(const V3& m, const V3& d) {
-    lanes_.begin(tree_.leaf_count);
+    middle_ = m, direction_ = d;
+    lanes_.begin(tree_.leaf_count, tree_.solids.leaves.size());
     find_curves(hn::Zero(k_lanes));
     V stack[k_tree_depth + 1];
     size_t depth = 0;
     for (const TreeStep& step : tree_.steps) {
       TreeStep& left = lanes_.steps.emplace_back(step);
-      if (step.kind != TreeStep::Kind::leaves) {
-        --depth;
-        stack[depth - 1] = join(step.kind, threshold_, stack[depth - 1], stack[depth]);
+      if (step.is_join()) {
+        depth -= step.count - 1;
+        stack[depth - 1] = join_values(step, threshold_, [&](uint32_t i) { return stack[depth - 1 + i]; });
+        continue;
+      }
+      const auto at_most = [&](V peak) { return step.is_subtracted ? hn::Min(peak, hn::Zero(k_lanes)) : hn::Max(peak, hn::Zero(k_lanes)); };
+      if (step.kind == TreeStep::Kind::solid) {
+        stack[depth++] = at_most(set_up_solid(step.first));
         continue;
       }
       left.first = static_cast<uint32_t>(lanes_.leaves.size());
@@ -126,7 +146,7 @@ private:
       for (uint32_t i = step.first; i < step.first + step.count; ++i) {
         const auto slot = static_cast<size_t>(tree_.row(leaf_space, i));
         const V peak = slot == 0 ? set_up_leaf(i, m, d) : set_up_leaf(i, found_[slot - 1].place, found_[slot - 1].velocity);
-        most = hn::Add(most, step.is_subtracted ? hn::Min(peak, hn::Zero(k_lanes)) : hn::Max(peak, hn::Zero(k_lanes)));
+        most = hn::Add(most, at_most(peak));
       }
       left.count = static_cast<uint32_t>(lanes_.leaves.size()) - left.first;
       stack[depth++] = most;
@@ -151,6 +171,21 @@ private:
     return hn::IfThenElseZero(reaches, peak);
   }
 
+  V3 place_in_base(const SolidLeaf& leaf, V s) const {
+    return leaf.slot == 0 ? at_time(middle_, direction_, s) : found_[leaf.slot - 1].place;
+  }
+  const V3& velocity_in_base(const SolidLeaf& leaf) const { return leaf.slot == 0 ? direction_ : found_[leaf.slot - 1].velocity; }
+
+  /// The same for a solid.
+  HWY_NOINLINE V set_up_solid(uint32_t i) {
+    const SolidLeaf& leaf = tree_.solids.leaves[i];
+    const V3 place = place_in_base(leaf, hn::Zero(k_lanes));
+    const V peak = solid_potential(leaf, SolidView(tree_.solids, leaf).range(place, velocity_in_base(leaf), half_, false).least);
+    const auto reaches = hn::And(live_, hn::Ne(peak, hn::Zero(k_lanes)));
+    hn::Store(hn::IfThenElseZero(reaches, set(1)), k_lanes, lanes_.reaches.get() + i * k_width);
+    return hn::IfThenElseZero(reaches, peak);
+  }
+
   /// g = f - T in the middle of each lane's stretch, and what it is at most within.
   void evaluate(V s, V h, V& g, V& most) const {
     work_.evaluations += hn::CountTrue(k_lanes, live_);
@@ -159,16 +194,30 @@ private:
     Range stack[k_tree_depth + 1];
     size_t depth = 0;
     for (const TreeStep& step : lanes_.steps) {
-      if (step.kind != TreeStep::Kind::leaves) {
-        --depth;
-        stack[depth - 1] = join(step.kind, threshold_, stack[depth - 1], stack[depth]);
+      if (step.is_join()) {
+        depth -= step.count - 1;
+        stack[depth - 1] = join_ranges(step, threshold_, [&](uint32_t i) -> const Range& { return stack[depth - 1 + i]; });
         continue;
       }
       stack[depth] = {zero, zero, zero};
+      if (step.kind == TreeStep::Kind::solid) {
+        add_solid(step, s, h, stack[depth++]);
+        continue;
+      }
       for (uint32_t j = step.first; j < step.first + step.count; ++j) add(j, step.is_subtracted, s, h, stack[depth]);
       ++depth;
     }
     g = hn::Sub(stack[0].value, set(threshold_)), most = hn::Sub(stack[0].high, set(threshold_));
+  }
+
+  /// A lane that does not meet the solid has 0 of it, whatever the others do.
+  HWY_NOINLINE void add_solid(const TreeStep& step, V s, V h, Range& out) const {
+    const auto is_met = hn::Ne(hn::Load(k_lanes, lanes_.reaches.get() + step.first * k_width), hn::Zero(k_lanes));
+    if (none(is_met)) return;
+    const SolidLeaf& leaf = tree_.solids.leaves[step.first];
+    const bool wants_low = !tree_.is_monotone || step.is_subtracted, wants_high = !tree_.is_monotone || !step.is_subtracted;
+    const Range range = solid_range(tree_.solids, leaf, wants_low, wants_high, place_in_base(leaf, s), velocity_in_base(leaf), h);
+    out = {hn::IfThenElseZero(is_met, range.value), hn::IfThenElseZero(is_met, range.low), hn::IfThenElseZero(is_met, range.high)};
   }
 
   void add(uint32_t j, bool is_subtracted, V s, V h, Range& sum) const {
@@ -210,14 +259,8 @@ private:
       const auto will_do = hn::And(live_, hn::AndNot(outside, hn::Le(x, enough)));
       const auto starts_inside = hn::AndNot(has_before, hn::Le(step, set(0.05f * tiny_)));
       const auto is_close = hn::Or(starts_inside, hn::And(has_before, hn::Le(hn::Sub(x, before), hn::Mul(set(4), tiny))));
-      auto found = hn::AndNot(outside, hn::And(live_, hn::And(is_tiny, is_close)));
+      const auto found = hn::AndNot(outside, hn::And(live_, hn::And(is_tiny, is_close)));
       const V at_surface = hn::IfThenElse(has_before, hn::Min(hn::Max(secant, from), x), from);
-      if (!tree_.is_monotone && !none(found)) { // the slope of an R-union of two like fields jumps at its surface
-        V there, most_there;
-        evaluate(at_surface, zero, there, most_there);
-        inexact_ = hn::Or(inexact_, hn::And(hn::And(found, has_before), hn::Gt(hn::Abs(there), set(4 * negligible_))));
-        found = hn::AndNot(inexact_, found), live_ = hn::AndNot(inexact_, live_);
-      }
       const auto answered = hn::Or(will_do, found);
       root = hn::IfThenElse(will_do, x, hn::IfThenElse(found, at_surface, root));
       hit = hn::Or(hit, answered);
@@ -249,8 +292,8 @@ private:
   WarpedRay curves_;
   float threshold_, negligible_, tiny_;
   V half_;
-  M live_;    ///< lanes without an answer
-  M inexact_; ///< lanes with an answer that is not good enough
+  V3 middle_, direction_; ///< where s is 0, from the cell's centre; and by s
+  M live_;                ///< lanes without an answer
   SolverWork& work_;
   LaneTree& lanes_;
   alignas(64) float rays_[7][k_width]; ///< origin, direction, t where s is 0

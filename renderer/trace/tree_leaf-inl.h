@@ -6,6 +6,8 @@
 #define KELPIE_TREE_LEAF_INL
 #endif
 
+#include <hwy/contrib/math/math-inl.h>
+
 #include "renderer/cells/tree.h"
 #include "renderer/trace/lanes-inl.h"
 
@@ -102,19 +104,43 @@ struct RFunctions {
   }
 };
 
+/// The hyper-blend of two fields, the part below 0 counting as 0: m (1 + r^n)^(1/n), m the larger and r the ratio.
+static HWY_NOINLINE V hyper_blend(float exponent, V a, V b) {
+  const V zero = hn::Zero(k_lanes), least = set(std::numeric_limits<float>::min());
+  const V m = hn::Max(hn::Max(a, b), zero), ratio = hn::Div(hn::Max(hn::Min(a, b), zero), hn::Max(m, least));
+  const V power = hn::Exp(k_lanes, hn::Mul(set(exponent), hn::Log(k_lanes, hn::Max(ratio, least))));
+  const V factor = hn::Exp(k_lanes, hn::Mul(set(1 / exponent), hn::Log1p(k_lanes, power)));
+  return hn::Mul(m, hn::IfThenElse(hn::Gt(ratio, least), factor, set(1)));
+}
+
 /// Two fields joined. `b` is what is subtracted, as it is.
-inline V join(TreeStep::Kind kind, float threshold, V a, V b) {
+HWY_INLINE V join_two(const TreeStep& step, float threshold, V a, V b) {
   const V zero = hn::Zero(k_lanes), units = set(1 / threshold), t = set(threshold);
   const auto in_units = [&](V f) { return hn::Mul(hn::Max(f, zero), units); };
-  switch (kind) {
+  switch (step.kind) {
   case TreeStep::Kind::maximum: return hn::Max(a, b);
   case TreeStep::Kind::minimum: return hn::Min(a, b);
   case TreeStep::Kind::difference: return hn::Max(zero, hn::Min(a, hn::Sub(set(2 * threshold), b)));
   case TreeStep::Kind::r_union: return hn::Mul(t, RFunctions::unite(in_units(a), in_units(b)));
   case TreeStep::Kind::r_intersection: return hn::Mul(t, RFunctions::intersect(in_units(a), in_units(b)));
   case TreeStep::Kind::r_difference: return hn::Mul(t, RFunctions::intersect(in_units(a), in_units(hn::Sub(set(2 * threshold), b))));
+  case TreeStep::Kind::hyper_blend: return hyper_blend(step.exponent, a, b);
   default: return hn::Add(a, b);
   }
+}
+
+/// The sum of some fields where `region` is 1, the largest where it is 0.
+template <class At>
+V mix(uint32_t count, const At& at, V region) {
+  V most = at(0), sum = most;
+  for (uint32_t i = 1; i < count; ++i) most = hn::Max(most, at(i)), sum = hn::Add(sum, at(i));
+  return hn::MulAdd(hn::Min(hn::Max(region, hn::Zero(k_lanes)), set(1)), hn::Sub(sum, most), most);
+}
+
+/// The operands at(0), at(1), … joined.
+template <class At>
+V join_values(const TreeStep& step, float threshold, const At& at) {
+  return step.kind == TreeStep::Kind::local_blend ? mix(step.count - 1, at, at(step.count - 1)) : join_two(step, threshold, at(0), at(1));
 }
 
 /// A field at a place, and its bounds around it; of these only those that the tree asks for are meant.
@@ -123,12 +149,23 @@ struct Range {
 };
 
 /// Every step rises with its operands, or falls with what it subtracts; but the R-union falls a little in places,
-/// with a slope of -0.1664 at most.
-inline Range join(TreeStep::Kind kind, float threshold, const Range& a, const Range& b) {
-  const bool subtracts = kind == TreeStep::Kind::difference || kind == TreeStep::Kind::r_difference;
-  Range r{join(kind, threshold, a.value, b.value), join(kind, threshold, a.low, subtracts ? b.high : b.low),
-          join(kind, threshold, a.high, subtracts ? b.low : b.high)};
-  if (kind == TreeStep::Kind::r_union) {
+/// with a slope of -0.1664 at most, and the local blend may fall with its region.
+template <class At>
+HWY_NOINLINE Range join_rare_ranges(const TreeStep& step, float threshold, const At& at) {
+  const auto value = [&](uint32_t i) { return at(i).value; };
+  const auto low = [&](uint32_t i) { return at(i).low; };
+  const auto high = [&](uint32_t i) { return at(i).high; };
+  if (step.kind == TreeStep::Kind::local_blend) {
+    const uint32_t count = step.count - 1;
+    const Range& region = at(count);
+    return {mix(count, value, region.value), hn::Min(mix(count, low, region.low), mix(count, low, region.high)),
+            hn::Max(mix(count, high, region.low), mix(count, high, region.high))};
+  }
+  const Range &a = at(0), &b = at(1);
+  const bool subtracts = step.kind == TreeStep::Kind::difference || step.kind == TreeStep::Kind::r_difference;
+  Range r{join_two(step, threshold, a.value, b.value), join_two(step, threshold, a.low, subtracts ? b.high : b.low),
+          join_two(step, threshold, a.high, subtracts ? b.low : b.high)};
+  if (step.kind == TreeStep::Kind::r_union) {
     const V zero = hn::Zero(k_lanes);
     const auto width = [&](const Range& f) { return hn::Sub(hn::Max(f.high, zero), hn::Max(f.low, zero)); };
     const V slack = hn::Mul(set(0.167f), hn::Add(width(a), width(b)));
@@ -137,9 +174,24 @@ inline Range join(TreeStep::Kind kind, float threshold, const Range& a, const Ra
   return r;
 }
 
+/// The operands at(0), at(1), … joined, those joins that are most of a scene without a call.
+template <class At>
+HWY_INLINE Range join_ranges(const TreeStep& step, float threshold, const At& at) {
+  const auto each = [&](const auto& joined) {
+    const Range &a = at(0), &b = at(1);
+    return Range{joined(a.value, b.value), joined(a.low, b.low), joined(a.high, b.high)};
+  };
+  switch (step.kind) {
+  case TreeStep::Kind::sum: return each([](V a, V b) { return hn::Add(a, b); });
+  case TreeStep::Kind::maximum: return each([](V a, V b) { return hn::Max(a, b); });
+  case TreeStep::Kind::minimum: return each([](V a, V b) { return hn::Min(a, b); });
+  default: return join_rare_ranges(step, threshold, at);
+  }
+}
+
 /// Adds a leaf at a place with a velocity, and its bounds on the stretch h either way, to a sum.
-inline void add_leaf(const Leaf& leaf, bool is_positive, bool wants_low, bool wants_high, const V3& place, const V3& velocity, V drift, V h,
-                     Range& sum) {
+HWY_INLINE void add_leaf(const Leaf& leaf, bool is_positive, bool wants_low, bool wants_high, const V3& place, const V3& velocity, V drift,
+                         V h, Range& sum) {
   const Offset offset(leaf, place);
   sum.value = hn::Add(sum.value, leaf.potential(square_of_positive(offset.distance())));
   const bool wants_nearest = is_positive ? wants_high : wants_low, wants_farthest = is_positive ? wants_low : wants_high;

@@ -14,17 +14,15 @@ public:
 
   WarpedRay(const FieldProgram& program, std::span<const TreeSpace> spaces) : program_(program), spaces_(spaces) {}
 
-  /// Where the ray is at t, in all of the spaces.
-  void find(const Vec3& origin, const Vec3& direction, double t, Place* places) const {
+  /// Where the ray is at t in a space, by the formula of every warp on the way.
+  Place find(const Vec3& origin, const Vec3& direction, double t, size_t index) const {
     using D = Dual<double, 1>;
     thread_local SpacePoints<D> points;
     points.begin(program_);
     const auto coordinate = [&](int i) { return D{double(origin[i]) + t * double(direction[i]), {double(direction[i])}}; };
     const Point3<D> world{coordinate(0), coordinate(1), coordinate(2)};
-    for (size_t i = 0; i < spaces_.size(); ++i) {
-      const Point3<D>& p = points.at(program_, spaces_[i].space, world);
-      places[i] = {Vec3(Vec3d(p.x.value, p.y.value, p.z.value) - Vec3d(spaces_[i].centre)), Vec3(p.x.d[0], p.y.d[0], p.z.d[0])};
-    }
+    const Point3<D>& p = points.at(program_, spaces_[index].space, world);
+    return {Vec3(Vec3d(p.x.value, p.y.value, p.z.value) - Vec3d(spaces_[index].centre)), Vec3(p.x.d[0], p.y.d[0], p.z.d[0])};
   }
 
   size_t count() const { return spaces_.size(); }

@@ -275,6 +275,7 @@ double value(const Node& node, Vec p, double threshold) {
   using Kind = Node::Kind;
   if (node.kind == Kind::twist) return value(*node.children[0], untwisted(node, p), threshold);
   if (node.kind == Kind::taper) return value(*node.children[0], untapered(node, p), threshold);
+  if (node.kind == Kind::axial) return value(*node.children[0], undeformed(*node.axial, p), threshold);
   if (node.kind == Kind::bend) return value(*node.children[0], unbent(node, p).p, threshold);
   if (node.kind == Kind::warp) return value(*node.children[0], node.child_from_parent.point(p), threshold);
   if (node.kind == Kind::leaves) {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "tests/reference/vec.h"
+#include "tests/reference/axial.h"
 
 namespace reference {
 
@@ -82,19 +82,21 @@ struct Node {
     r_subtract,
     twist,
     bend,
-    taper
+    taper,
+    axial
   };
   Kind kind = Kind::leaves;
   std::vector<Leaf> leaves;
   std::vector<NodePtr> children;
-  Affine child_from_parent; ///< of a warp: f(p) = f_child(W^-1 p)
-  double n = 1;             ///< of a hyper-blend
-  Vec centre, axis;         ///< of a twist, a bend or a taper
-  double rate = 0;          ///< of a twist, in degrees a unit
-  double length = 0;        ///< how far along the axis a warp acts; 0, of a twist: everywhere
-  Vec towards;              ///< of a bend: the side of its bend axis, perpendicular to `axis`
-  double angle = 0;         ///< of a bend, in degrees
-  double by = 1;            ///< of a taper: the factor at its end
+  Affine child_from_parent;           ///< of a warp: f(p) = f_child(W^-1 p)
+  double n = 1;                       ///< of a hyper-blend
+  Vec centre, axis;                   ///< of a twist, a bend or a taper
+  double rate = 0;                    ///< of a twist, in degrees a unit
+  double length = 0;                  ///< how far along the axis a warp acts; 0, of a twist: everywhere
+  Vec towards;                        ///< of a bend: the side of its bend axis, perpendicular to `axis`
+  double angle = 0;                   ///< of a bend, in degrees
+  double by = 1;                      ///< of a taper: the factor at its end
+  std::shared_ptr<const Axial> axial; ///< prepared
 };
 
 /// Where p is for the child of a twist: turned back about the axis.

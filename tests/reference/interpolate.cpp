@@ -110,6 +110,12 @@ private:
       const double stretch = std::max(1.0, 1 / (q.to_axis - reach / radius));
       return smallest_radius(*node.children[0], q.p, q.to_cut <= reach ? k_infinity : reach * stretch) / stretch;
     }
+    if (node.kind == Node::Kind::axial) {
+      double least_image = k_infinity;
+      for (const Image& image : images(*node.axial, p, reach))
+        least_image = std::min(least_image, smallest_radius(*node.children[0], image.centre, image.radius) / image.stretch);
+      return least_image;
+    }
     double least = k_infinity;
     for (const Leaf& leaf : node.leaves)
       if (may_be_within(leaf, p, leaf.radius + reach)) least = std::min(least, leaf.radius);

@@ -74,11 +74,30 @@ void randomise(T& member, const ParameterRules& rules, Random& r) {
     member = static_cast<T>(std::lround(r.in(rules.range)));
   else if constexpr (std::is_enum_v<T>)
     member = EnumNames<T>::values[r.below(static_cast<int>(EnumNames<T>::values.size()))].second;
-  else if constexpr (std::is_same_v<T, std::vector<Vec3>>) {
+  else if constexpr (std::is_same_v<T, std::vector<Vec3>> || std::is_same_v<T, std::vector<float>>) {
     member.resize(1 + r.below(8));
-    for (Vec3& element : member) randomise(element, rules, r);
+    for (auto& element : member) randomise(element, rules, r);
   } else if constexpr (std::is_same_v<T, Vec3>)
     for (int i = 0; i < 3; ++i) member[i] = static_cast<float>(r.in(rules.range, reach));
+}
+
+/// An axis from one side of the origin to the other, about as long where it goes.
+inline void randomise(std::vector<AxialAxis<SampledMode>>& axes, const ParameterRules&, Random& r) {
+  axes.resize(r.below(4) ? 1 : 1 + r.below(3));
+  for (AxialAxis<SampledMode>& axis : axes) {
+    const int count = 2 + r.below(5);
+    const Vec3 at(r.in(Box3d{Vec3d(-0.7), Vec3d(0.7)})), along(r.direction());
+    const float swing = float(r.below(6) ? r.log_uniform(0.05, 0.8) : 0.0);
+    for (int i = 0; i < count; ++i) {
+      const Vec3 p = at + along * (float(i) / float(count - 1) - 0.5f) * 2.4f;
+      axis.rest.push_back(p + 0.2f * Vec3(r.direction()));
+      axis.deformed.push_back(p + swing * Vec3(r.direction()));
+    }
+    axis.degree = r.below(6) ? 2 + r.below(2) : 1, axis.normal = Vec3(r.direction());
+    for (int i = r.below(3); i > 0; --i) axis.frames.push_back({float(r.uniform(0, 1)), float(r.uniform(-120, 120))});
+    axis.interpolation = FrameInterpolation(r.below(2));
+    axis.radius = float(r.uniform(0.3, 1)), axis.border = float(r.uniform(0.1, 1));
+  }
 }
 
 /// A sampled kind with random parameters and, where it has files, random contents.
@@ -88,6 +107,23 @@ Kind<SampledMode> random_kind(Random& r) {
   std::apply([&](const auto&... row) { (randomise(kind.*(row.member), row, r), ...); }, Kind<SampledMode>::parameters());
   if constexpr (requires { kind.grid; }) kind.grid = random_distance_grid(r);
   if constexpr (requires { kind.cloud; }) kind.cloud = std::make_shared<const BlobCloud>(random_cloud(r, 1 + r.below(9), -1));
+  if constexpr (requires { kind.prepare(); }) kind.prepare();
+  if constexpr (std::is_same_v<Kind<SampledMode>, Patch<SampledMode>>) {
+    kind.points.resize(BezierPatch::k_points * (1 + r.below(2)));
+    for (Vec3& p : kind.points) p = Vec3(r.in(Box3d{Vec3d(-1), Vec3d(1)}));
+  }
+  if constexpr (std::is_same_v<Kind<SampledMode>, Subdivision<SampledMode>>) { // two faces that share an edge
+    SubdivisionMesh mesh;
+    SubdivisionMesh::Level level;
+    for (int i = 0; i < 6; ++i) {
+      level.positions.push_back(Vec3(r.in(Box3d{Vec3d(-1), Vec3d(1)}))), level.normals.push_back(Vec3(r.direction()));
+      level.thickness.push_back(float(r.uniform(0, 1)));
+      mesh.box.extend(Vec3d(level.positions.back()));
+    }
+    level.faces = {{0, 1, 2, 3}, {1, 4, 5, 2}}, level.borders = {{0, 1}, {1, 4}, {4, 5}, {5, 2}, {2, 3}, {3, 0}};
+    mesh.levels = {level};
+    kind.mesh = std::make_shared<const SubdivisionMesh>(std::move(mesh));
+  }
   if constexpr (requires { kind.morph; })
     kind.morph = std::make_shared<const LiquidMorph>(random_cloud(r, 1 + r.below(9), 0.5), random_cloud(r, 1 + r.below(9), 0.5),
                                                      kind.correspondence, kind.volume);
@@ -117,6 +153,8 @@ void make_special(Kind& kind, Random& r) {
         if (flat < 3) p[flat] = member[0][flat];
         if (r.below(8) == 0) p = member[0];
       }
+    } else if constexpr (std::is_same_v<T, std::vector<float>>) {
+      for (float& x : member) length(x);
     } else if constexpr (std::is_same_v<T, Vec3>) {
       if (rules.range.lower == 0) { // a size
         for (int i = 0; i < 3; ++i) length(member[i]);

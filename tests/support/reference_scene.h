@@ -242,6 +242,36 @@ reference::Node::Kind reference_kind_of(const Kind& k, bool is_below_blend) {
     if constexpr (std::is_same_v<Kind, Difference<SampledMode>>) return is_smooth ? To::r_subtract : To::subtract;
   }
 }
+inline reference::Axis reference_of(const AxialAxis<SampledMode>& k) {
+  reference::Axis axis;
+  for (const Vec3& p : k.rest) axis.rest.push_back(reference_of(p));
+  for (const Vec3& p : k.deformed) axis.deformed.push_back(reference_of(p));
+  for (const auto& f : k.frames) axis.frames.push_back({f.at, f.angle});
+  axis.degree = k.degree, axis.normal = reference_of(k.normal), axis.is_cosine = k.interpolation == FrameInterpolation::cosine;
+  axis.radius = k.radius, axis.border = k.border;
+  return axis;
+}
+
+/// The pieces of a complex primitive, as finely divided as it asks for.
+template <ComplexPrimitive Kind>
+std::vector<reference::NodePtr> reference_pieces(const Kind& kind) {
+  std::vector<reference::NodePtr> pieces;
+  kind.for_each_piece(kind.divisions(), [&](const auto& piece) {
+    const auto node = std::make_shared<reference::Node>();
+    node->leaves = {reference_of(piece)};
+    pieces.push_back(node);
+  });
+  return pieces;
+}
+
+inline std::shared_ptr<reference::Node> reference_below(const Affine& child_from_parent, const reference::NodePtr& child) {
+  auto out = std::make_shared<reference::Node>();
+  out->kind = reference::Node::Kind::warp, out->children = {child};
+  const Mat3d rows = glm::transpose(child_from_parent.linear);
+  for (int i = 0; i < 3; ++i) out->child_from_parent.rows[i] = {rows[i].x, rows[i].y, rows[i].z};
+  out->child_from_parent.offset = {child_from_parent.offset.x, child_from_parent.offset.y, child_from_parent.offset.z};
+  return out;
+}
 
 /// The subtree at `node`.
 inline reference::NodePtr reference_of(const SampledField& field, unsigned node, bool is_below_blend = false) {
@@ -256,6 +286,9 @@ inline reference::NodePtr reference_of(const SampledField& field, unsigned node,
           for (const Blob& b : cloud) out->leaves.push_back(reference_of(b));
         } else if constexpr (Skeleton<S>) {
           out->leaves = {reference_of(k)};
+        } else if constexpr (ComplexPrimitive<S>) {
+          out->kind = Kind::unite, out->children = reference_pieces(k);
+          if constexpr (requires { k.parent_from_pieces(); }) out = reference_below(inverse(k.parent_from_pieces()), out);
         } else if constexpr (AffineWarp<S>) {
           out->kind = Kind::warp, out->child_from_parent = reference_inverse(k),
           out->children = {reference_of(field, k.child, is_below_blend)};
@@ -269,6 +302,11 @@ inline reference::NodePtr reference_of(const SampledField& field, unsigned node,
           out->kind = Kind::bend, out->centre = reference_of(k.centre), out->axis = reference_of(k.axis);
           out->towards = reference_of(k.towards), out->angle = k.angle, out->length = k.length;
           out->children = {reference_of(field, k.child, is_below_blend)};
+        } else if constexpr (std::is_same_v<S, Axial<SampledMode>>) {
+          auto axial = std::make_shared<reference::Axial>();
+          for (const auto& axis : k.axes) axial->axes.push_back(reference_of(axis));
+          axial->prepare();
+          out->kind = Kind::axial, out->axial = axial, out->children = {reference_of(field, k.child, is_below_blend)};
         } else if constexpr (Operator<S>) {
           out->kind = reference_kind_of(k, is_below_blend);
           if constexpr (std::is_same_v<S, HyperBlend<SampledMode>>) out->n = k.n;

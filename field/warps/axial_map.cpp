@@ -1,0 +1,278 @@
+#include "field/warps/axial_map.h"
+
+#include "field/warps/axis_tube.h"
+
+namespace kelpie {
+
+namespace {
+
+/// What is nowhere is this many sizes of the tubes away: far from anything that a field has, and not so far that rounding moves it.
+constexpr double k_nowhere = 1e5;
+constexpr Interval k_jump{-1e30, 1e30}; // finite, so that products with 0 stay numbers
+
+template <class T>
+struct ScalarOf {
+  using type = T;
+};
+template <class T, int N>
+struct ScalarOf<Dual<T, N>> {
+  using type = T;
+};
+
+Point3<AxialMap::Slopes> variables(const Vec3d& p) {
+  using D = AxialMap::Slopes;
+  return {D::variable(p.x, 0), D::variable(p.y, 1), D::variable(p.z, 2)};
+}
+
+double number(const double& value, const std::array<double, 3>&, double) { return value; }
+template <class T>
+Dual<T, 3> number(const T& value, const std::array<T, 3>& slopes, Dual<T, 3>) {
+  return {value, slopes};
+}
+
+template <class Real>
+Real squared_distance(const Point3<Real>& a, const Point3<Real>& b) {
+  return square(a.x - b.x) + square(a.y - b.y) + square(a.z - b.z);
+}
+/// x^2 (3 - 2x) for x in [0, 1].
+double smooth_step(double x) { return x * x * (3 - 2 * x); }
+Interval smooth_step(Interval x) { return {smooth_step(x.lo), smooth_step(x.hi)}; }
+template <class T>
+Dual<T, 3> smooth_step(const Dual<T, 3>& x) {
+  return chain(x, smooth_step(x.value), 6.0 * (x.value * (T(1.0) - x.value)));
+}
+
+/// 1 where two displacements are so near each other that a border can join them, 0 where they are too far apart.
+template <class Real>
+Real agreement(const Point3<Real>& a, const Point3<Real>& b, const Real& limit) {
+  const Real squared = squared_distance(a, b);
+  const double apart = std::sqrt(range_of(squared).hi), most = range_of(limit).lo;
+  if (apart <= 0.5 * most) return Real(1.0);
+  if (apart >= most) return Real(0.0);
+  return smooth_step(Real(2.0) - 2.0 * sqrt(squared) / limit);
+}
+
+} // namespace
+
+/// What an axis offers, with its share.
+template <class Real>
+struct AxialMap::Offer {
+  Point3<Real> by;
+  Real depth, share, limit;
+
+  explicit Offer(const AxisOffer<typename ScalarOf<Real>::type>& o)
+      : by{number(o.by[0], o.by_slopes[0], Real()), number(o.by[1], o.by_slopes[1], Real()), number(o.by[2], o.by_slopes[2], Real())},
+        depth(number(o.depth, o.depth_slopes, Real())), limit(number(o.limit, o.limit_slopes, Real())) {
+    share = range_of(o.depth).lo >= o.border ? Real(1.0) : smooth_step(clamp(depth * (1 / o.border), 0, 1));
+  }
+};
+
+AxialMap::AxialMap(std::span<const AxisShape> shapes) {
+  Box3d all;
+  for (const AxisShape& shape : shapes) {
+    const AxisTube& tube = tubes_.emplace_back(shape);
+    all.extend(tube.deformed().box()), all.extend(tube.rest().box());
+  }
+  // An axis that stands keeps its tube from others; where all stand there is nothing to keep.
+  if (std::none_of(tubes_.begin(), tubes_.end(), [](const AxisTube& tube) { return tube.moves(); })) tubes_.clear();
+  if (!all.is_empty()) nowhere_ = k_nowhere * std::max(all.diagonal(), 1e-300);
+}
+
+AxialMap::~AxialMap() = default;
+
+template <class Real>
+void AxialMap::collect(const Vec3d& p, std::vector<Offer<Real>>& offers) const {
+  AxisOffer<double> offer;
+  offers.clear();
+  for (const AxisTube& tube : tubes_)
+    if (tube.offer(p, !std::is_same_v<Real, double>, offer)) offers.emplace_back(offer);
+}
+
+/// Whether what was there at rest has been moved away.
+bool AxialMap::is_vacated(const Vec3d& p) const {
+  Vec3d by;
+  double limit = 0;
+  return std::any_of(tubes_.begin(), tubes_.end(),
+                     [&](const AxisTube& tube) { return tube.move(p, by, limit) && glm::dot(by, by) > limit * limit; });
+}
+
+template <class Real>
+Point3<Real> AxialMap::join(const Point3<Real>& p, const Vec3d& at) const {
+  thread_local std::vector<Offer<Real>> offers;
+  collect(at, offers);
+  const Point3<Real> nowhere{p.x + Real(nowhere_), p.y, p.z};
+  if (offers.empty()) return is_vacated(at) ? nowhere : p;
+  const auto moved = [&](const Point3<Real>& by) { return Point3<Real>{p.x + by.x, p.y + by.y, p.z + by.z}; };
+  if (offers.size() == 1 && range_of(offers[0].share).lo == 1) return moved(offers[0].by);
+
+  // Whoever has the point deepest in its tube has it, or nobody, in the outer half of borders; others have a share as far as they
+  // agree about where it was.
+  const Offer<Real>* deepest = &offers[0];
+  Real sum(0.0);
+  for (const Offer<Real>& o : offers) {
+    if (range_of(o.depth).lo > range_of(deepest->depth).lo) deepest = &o;
+    sum = sum + o.share;
+  }
+  const bool is_owned = range_of(deepest->share).lo >= 0.5;
+  const Real rest = max(Real(0.0), Real(1.0) - sum);
+  const bool is_gone = (!is_owned || range_of(rest).hi > 0) && is_vacated(at);
+  if (!is_owned && is_gone) return nowhere;
+  const Point3<Real> stay{Real(0.0), Real(0.0), Real(0.0)}, chosen = is_owned ? deepest->by : stay;
+  Point3<Real> by = stay;
+  Real shares = is_gone ? Real(0.0) : rest * (is_owned ? agreement(chosen, stay, deepest->limit) : Real(1.0));
+  for (const Offer<Real>& o : offers) {
+    const Real share = is_owned && &o == deepest ? o.share : o.share * agreement(o.by, chosen, min(o.limit, deepest->limit));
+    by = {by.x + share * o.by.x, by.y + share * o.by.y, by.z + share * o.by.z};
+    shares = shares + share;
+  }
+  if (!(range_of(shares).lo > 0)) return p;
+  return moved({by.x / shares, by.y / shares, by.z / shares});
+}
+
+Point3<double> AxialMap::rest(const Point3<double>& p) const { return join<double>(p, {p.x, p.y, p.z}); }
+Point3<AxialMap::Slopes> AxialMap::rest_with_slopes(const Vec3d& p) const { return join<Slopes>(variables(p), p); }
+
+Point3<AxialMap::Range> AxialMap::rest_of(const Box3d& box) const {
+  Point3<Range> out;
+  bound(box, out, nullptr);
+  return out;
+}
+bool AxialMap::torn_images(const Box3d& box, std::vector<Box3d>& images) const {
+  Point3<Range> hull;
+  images.clear();
+  return bound(box, hull, &images);
+}
+
+/// Into `out`, for all points at once; whether the map may jump, and then, one by one, what it may jump between.
+bool AxialMap::bound(const Box3d& box, Point3<Range>& out, std::vector<Box3d>* images) const {
+  const auto variable = [&](int i) { return Range::variable({box.lower[i], box.upper[i]}, i); };
+  const Point3<Range> p{variable(0), variable(1), variable(2)};
+  std::vector<Offer<Range>> offers;
+  AxisOffer<Interval> offer;
+  for (const AxisTube& tube : tubes_)
+    if (tube.offer(box, offer)) offers.emplace_back(offer);
+
+  Interval shares(0.0);
+  for (const Offer<Range>& o : offers) shares = shares + o.share.value;
+  const bool stays_out = shares.lo >= 1; // what stays has no share anywhere in the box
+  const Offer<Range>* deepest = nullptr;
+  for (const Offer<Range>& o : offers)
+    if (!deepest || o.depth.value.lo > deepest->depth.value.lo) deepest = &o;
+  bool may_be_gone = false, is_gone = false;
+  // In the outer half of borders, what was there at rest counts.
+  if (!stays_out || !deepest || deepest->share.value.lo < 0.5)
+    for (const AxisTube& tube : tubes_) {
+      const AxisTube::Moved moved = tube.moved(box);
+      may_be_gone = may_be_gone || moved.some, is_gone = is_gone || moved.all;
+    }
+
+  const auto moved = [&](const Point3<Range>& by) { return Point3<Range>{p.x + by.x, p.y + by.y, p.z + by.z}; };
+  const Point3<Range> stay{}, nowhere{Range(nowhere_), Range(0.0), Range(0.0)};
+  const auto apart = [](const Point3<Range>& a, const Point3<Range>& b) { return sqrt(squared_distance(a, b).value); };
+
+  // All agree, or only one has a share.
+  double least_limit = INFINITY;
+  for (const Offer<Range>& o : offers) least_limit = std::min(least_limit, o.limit.value.lo);
+  const auto agrees_with_stay = [&](const Offer<Range>& o) { return apart(o.by, stay).hi <= 0.5 * least_limit; };
+  bool all_agree = !may_be_gone && (stays_out || std::all_of(offers.begin(), offers.end(), agrees_with_stay));
+  for (size_t i = 0; i < offers.size() && all_agree; ++i)
+    for (size_t j = 0; j < i && all_agree; ++j) all_agree = apart(offers[i].by, offers[j].by).hi <= 0.5 * least_limit;
+  if (all_agree) {
+    if (offers.empty()) return out = p, false;
+    if (offers.size() == 1 && stays_out) return out = moved(offers[0].by), false;
+    Point3<Range> by{};
+    Range sum(0.0);
+    for (const Offer<Range>& o : offers) {
+      by = {by.x + o.share * o.by.x, by.y + o.share * o.by.y, by.z + o.share * o.by.z};
+      sum = sum + o.share;
+    }
+    if (shares.hi <= 1) return out = moved(by), false;
+    const Range all = max(Range(1.0), sum);
+    return out = moved({by.x / all, by.y / all, by.z / all}), false;
+  }
+
+  // One has all: the others disagree with it for sure.
+  if (deepest && deepest->share.value.lo >= 0.5) {
+    const auto yields = [&](const Offer<Range>& o) {
+      if (&o == deepest || o.share.value.hi <= 0) return true;
+      return o.depth.value.hi < deepest->depth.value.lo && apart(o.by, deepest->by).lo >= min(o.limit.value, deepest->limit.value).hi;
+    };
+    const bool stay_yields = stays_out || is_gone || apart(deepest->by, stay).lo >= deepest->limit.value.hi;
+    if (stay_yields && std::all_of(offers.begin(), offers.end(), yields)) return out = moved(deepest->by), false;
+  }
+  const auto leaves = [&](const Offer<Range>& o) {
+    return o.share.value.hi <= 0 || (o.share.value.hi < 0.5 && apart(o.by, stay).lo >= o.limit.value.hi);
+  };
+  if (std::all_of(offers.begin(), offers.end(), leaves)) {
+    if (is_gone) return out = moved(nowhere), false;
+    if (!may_be_gone) return out = p, false;
+  }
+
+  // Anything between what is offered; one by one, no farther from what is chosen than it agrees with others.
+  const bool may_stay = !(stays_out && deepest->share.value.lo >= 0.5);
+  double most_limit = 0;
+  for (const Offer<Range>& o : offers) most_limit = std::max(most_limit, o.limit.value.hi);
+  if (images) {
+    if (may_stay && !is_gone) images->push_back(box.padded(most_limit));
+    for (const Offer<Range>& o : offers) {
+      if (o.share.value.hi < 0.5) continue;
+      const Point3<Range> q = moved(o.by);
+      images->push_back(Box3d{{q.x.value.lo, q.y.value.lo, q.z.value.lo}, {q.x.value.hi, q.y.value.hi, q.z.value.hi}}.padded(most_limit));
+    }
+  }
+  Point3<Range> by = may_stay ? stay : offers[0].by;
+  const auto add = [&](const Point3<Range>& b) { by = {either(by.x, b.x), either(by.y, b.y), either(by.z, b.z)}; };
+  for (const Offer<Range>& o : offers) add(o.by);
+  if (may_be_gone || is_gone) add(nowhere);
+  out = moved(by);
+  for (Range* r : {&out.x, &out.y, &out.z}) r->d.fill(k_jump);
+  return true;
+}
+
+Point3<double> AxialMap::deformed(const Point3<double>& q) const {
+  if (tubes_.empty()) return q;
+  const Vec3d target{q.x, q.y, q.z};
+  const auto rest_at = [&](const Vec3d& p) {
+    const Point3<double> r = rest({p.x, p.y, p.z});
+    return Vec3d(r.x, r.y, r.z);
+  };
+  std::vector<Vec3d> starts{target};
+  const Vec3d back{target.x - nowhere_, target.y, target.z};
+  if (glm::distance(rest_at(back), target) < 1e-9 * nowhere_) return {back.x, back.y, back.z};
+  Vec3d by, all(0);
+  double limit = 0, count = 0;
+  for (const AxisTube& tube : tubes_)
+    if (tube.move(target, by, limit)) starts.push_back(target + by), all += by, count += 1;
+  if (count > 1) starts.push_back(target + all / count);
+  const double close = 1e-11 * (1e-5 * nowhere_ + glm::length(target));
+  Vec3d best = target;
+  double least = INFINITY;
+  for (const Vec3d& start : starts) {
+    const double error = glm::distance(rest_at(start), target);
+    if (error < least) least = error, best = start;
+  }
+  if (least <= close) return {best.x, best.y, best.z};
+  for (const Vec3d& start : starts) {
+    Vec3d p = start;
+    for (int i = 0; i < 40; ++i) {
+      const Point3<Slopes> r = rest_with_slopes(p);
+      const Vec3d error = Vec3d(r.x.value, r.y.value, r.z.value) - target;
+      if (glm::length(error) <= close) return {p.x, p.y, p.z};
+      Mat3d slopes;
+      for (int j = 0; j < 3; ++j) slopes[j] = {r.x.d[j], r.y.d[j], r.z.d[j]};
+      if (!(std::abs(glm::determinant(slopes)) > 1e-9)) break;
+      p -= glm::inverse(slopes) * error;
+    }
+  }
+  return {best.x, best.y, best.z};
+}
+
+Box3d AxialMap::image_of(const Box3d& box) const {
+  double most = 0;
+  for (const AxisTube& tube : tubes_) most = std::max(most, tube.most_limit());
+  Box3d image = box.padded(most);
+  for (const AxisTube& tube : tubes_) tube.extend_image(box, image);
+  return image;
+}
+
+} // namespace kelpie

@@ -1,0 +1,96 @@
+// Fields of every kind there is.
+#pragma once
+
+#include <functional>
+
+#include "field/warps/axis_tube.h"
+#include "tests/support/random_scene.h"
+
+namespace kelpie {
+
+using Nodes = std::vector<unsigned>;
+using MakeLeaf = std::function<unsigned(Random&, SampledField&)>;
+using MakeWarp = std::function<unsigned(Random&, SampledField&, unsigned child)>;
+using MakeOperator = std::function<unsigned(Random&, SampledField&, const Nodes&)>;
+
+/// A radius that a scene of a few units may have, at times a thousandth of it.
+inline float random_radius(Random& r) { return float(r.below(6) ? r.uniform(0.1, 0.8) : r.log_uniform(0.004, 0.1)); }
+
+template <template <class> class Kind>
+Kind<SampledMode> random_leaf(Random& r) {
+  Kind<SampledMode> k = random_kind<Kind>(r);
+  k.radius = random_radius(r);
+  k.weight = float(r.below(6) ? 1 + r.log_uniform(0.01, 2) : -r.uniform(0.2, 2));
+  make_special(k, r);
+  if constexpr (ComplexPrimitive<Kind<SampledMode>>) k.detail = float(r.log_uniform(0.1, 1)); // a few dozen pieces
+  return k;
+}
+
+/// Tubes that need no cut: the reference cuts none.
+inline void narrow(Axial<SampledMode>& k) {
+  for (auto& axis : k.axes) axis.radius = std::max(0.01f, 0.99f * float(AxisTube(k.shape(axis)).cut_radius()));
+  std::erase_if(k.axes, [&](const auto& axis) { return AxisTube(k.shape(axis)).cut_radius() < double(axis.radius); });
+  k.prepare();
+}
+
+class EveryKind {
+public:
+  EveryKind() {
+    FieldKinds::for_each([&]<template <class> class Kind>() {
+      using K = Kind<SampledMode>;
+      if constexpr (requires(K k) { k.radius = 1.f, k.weight = 1.f; })
+        leaves_.push_back([](Random& r, SampledField& field) {
+          const unsigned leaf = add(field, random_leaf<Kind>(r));
+          if constexpr (requires { K::k_is_unbounded; }) { // it cuts something that has an end
+            Intersection<SampledMode> cut;
+            cut.children = {leaf, add(field, random_leaf<SdfBox>(r))};
+            return add(field, cut);
+          }
+          return leaf;
+        });
+      else if constexpr (requires(K k) { k.child; })
+        warps_.push_back([](Random& r, SampledField& field, unsigned child) {
+          K k = random_kind<Kind>(r);
+          k.child = child;
+          if constexpr (requires { k.rate; }) k.rate *= 60; // degrees
+          if constexpr (requires { k.axes; }) narrow(k);
+          make_special(k, r);
+          return add(field, k);
+        });
+      else if constexpr (Operator<K>)
+        operators_.push_back([](Random& r, SampledField& field, const Nodes& children) {
+          K k = random_kind<Kind>(r);
+          k.children = children;
+          if constexpr (requires { k.region; }) k.region = add(field, random_leaf<Disc>(r));
+          if constexpr (requires { k.n; }) k.n = float(r.log_uniform(0.4, 30));
+          return add(field, k);
+        });
+    });
+  }
+
+  /// operator(warp(operator(leaf, leaf)), leaf, leaf): of the kinds that the trial's number says, else any.
+  SampledField random_field(unsigned trial, Random& r) const {
+    const auto any = [&](const auto& list) { return list[size_t(r.below(int(list.size())))]; };
+    const size_t warp_count = warps_.size(), operator_count = operators_.size();
+    const MakeOperator& join = operators_[trial % operator_count];
+    const MakeWarp& warp = warps_[trial / operator_count % warp_count];
+    const MakeLeaf& leaf = leaves_[trial / operator_count / warp_count % leaves_.size()];
+    SampledField field;
+    const unsigned first = leaf(r, field);
+    const unsigned second = r.below(4) ? any(leaves_)(r, field) : add(field, field.nodes[first]); // coincident
+    const unsigned inner = any(operators_)(r, field, {first, second});
+    Nodes operands{warp(r, field, inner), leaf(r, field)};
+    if (r.below(2)) operands.push_back(any(leaves_)(r, field));
+    if (r.below(2)) std::swap(operands[0], operands[1]);
+    const unsigned root = join(r, field, operands);
+    if (r.below(3) == 0) any(operators_)(r, field, {root, any(leaves_)(r, field)}); // asks for values, at times
+    return field;
+  }
+
+private:
+  std::vector<MakeLeaf> leaves_;
+  std::vector<MakeWarp> warps_;
+  std::vector<MakeOperator> operators_;
+};
+
+} // namespace kelpie
