@@ -43,7 +43,7 @@ public:
 
   void load(SdfMesh<AnimatedMode>& k, const JsonValue& source) {
     if (k.file.resolved.empty()) return;
-    double reach = 0; // at any time
+    double reach = k.radius.at(0); // at any time; a constant has no keys
     for (const Key<float>& key : k.radius.keys()) reach = std::max(reach, double(key.value));
     const auto [entry, is_new] = grids_.try_emplace({k.file.resolved, k.voxel, reach});
     std::shared_ptr<const DistanceGrid>& loaded = entry->second;
