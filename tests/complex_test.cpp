@@ -21,7 +21,7 @@ template <class Kind>
 double potential_of_pieces(const Kind& kind, Vec3d p) {
   if constexpr (requires { kind.parent_from_pieces(); }) p = inverse(kind.parent_from_pieces())(p);
   double most = 0;
-  kind.for_each_piece(kind.divisions(), [&](const auto& piece) { most = std::max(most, piece.potential(Point3<double>{p.x, p.y, p.z})); });
+  kind.for_each_piece(kind.divisions(), [&](const auto& piece) { most = std::max(most, potential(piece, Point3<double>{p.x, p.y, p.z})); });
   return most;
 }
 

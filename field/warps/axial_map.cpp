@@ -58,12 +58,12 @@ Real agreement(const Point3<Real>& a, const Point3<Real>& b, const Real& limit) 
 template <class Real>
 struct AxialMap::Offer {
   Point3<Real> by;
-  Real depth, share, limit;
+  Real depth, share, limit; ///< depth: in borders, so that who is deepest has the most of a share
 
   explicit Offer(const AxisOffer<typename ScalarOf<Real>::type>& o)
       : by{number(o.by[0], o.by_slopes[0], Real()), number(o.by[1], o.by_slopes[1], Real()), number(o.by[2], o.by_slopes[2], Real())},
-        depth(number(o.depth, o.depth_slopes, Real())), limit(number(o.limit, o.limit_slopes, Real())) {
-    share = range_of(o.depth).lo >= o.border ? Real(1.0) : smooth_step(clamp(depth * (1 / o.border), 0, 1));
+        depth(number(o.depth, o.depth_slopes, Real()) * (1 / o.border)), limit(number(o.limit, o.limit_slopes, Real())) {
+    share = range_of(depth).lo >= 1 ? Real(1.0) : smooth_step(clamp(depth, 0, 1));
   }
 };
 
@@ -115,11 +115,10 @@ Point3<Real> AxialMap::join(const Point3<Real>& p, const Vec3d& at) const {
   }
   const bool is_owned = range_of(deepest->share).lo >= 0.5;
   const Real rest = max(Real(0.0), Real(1.0) - sum);
-  const bool is_gone = (!is_owned || range_of(rest).hi > 0) && is_vacated(at);
-  if (!is_owned && is_gone) return nowhere;
+  if (!is_owned && is_vacated(at)) return nowhere;
   const Point3<Real> stay{Real(0.0), Real(0.0), Real(0.0)}, chosen = is_owned ? deepest->by : stay;
   Point3<Real> by = stay;
-  Real shares = is_gone ? Real(0.0) : rest * (is_owned ? agreement(chosen, stay, deepest->limit) : Real(1.0));
+  Real shares = rest * (is_owned ? agreement(chosen, stay, deepest->limit) : Real(1.0));
   for (const Offer<Real>& o : offers) {
     const Real share = is_owned && &o == deepest ? o.share : o.share * agreement(o.by, chosen, min(o.limit, deepest->limit));
     by = {by.x + share * o.by.x, by.y + share * o.by.y, by.z + share * o.by.z};
@@ -160,7 +159,8 @@ bool AxialMap::bound(const Box3d& box, Point3<Range>& out, std::vector<Box3d>* i
     if (!deepest || o.depth.value.lo > deepest->depth.value.lo) deepest = &o;
   bool may_be_gone = false, is_gone = false;
   // In the outer half of borders, what was there at rest counts.
-  if (!stays_out || !deepest || deepest->share.value.lo < 0.5)
+  const bool is_owned = deepest && deepest->share.value.lo >= 0.5;
+  if (!is_owned)
     for (const AxisTube& tube : tubes_) {
       const AxisTube::Moved moved = tube.moved(box);
       may_be_gone = may_be_gone || moved.some, is_gone = is_gone || moved.all;
@@ -192,13 +192,23 @@ bool AxialMap::bound(const Box3d& box, Point3<Range>& out, std::vector<Box3d>* i
   }
 
   // One has all: the others disagree with it for sure.
-  if (deepest && deepest->share.value.lo >= 0.5) {
+  if (is_owned) {
     const auto yields = [&](const Offer<Range>& o) {
       if (&o == deepest || o.share.value.hi <= 0) return true;
       return o.depth.value.hi < deepest->depth.value.lo && apart(o.by, deepest->by).lo >= min(o.limit.value, deepest->limit.value).hi;
     };
-    const bool stay_yields = stays_out || is_gone || apart(deepest->by, stay).lo >= deepest->limit.value.hi;
-    if (stay_yields && std::all_of(offers.begin(), offers.end(), yields)) return out = moved(deepest->by), false;
+    if (std::all_of(offers.begin(), offers.end(), yields)) {
+      const Interval from_stay = apart(deepest->by, stay);
+      if (stays_out || from_stay.lo >= deepest->limit.value.hi) return out = moved(deepest->by), false;
+      const bool is_alone =
+          std::all_of(offers.begin(), offers.end(), [&](const auto& o) { return &o == deepest || o.share.value.hi <= 0; });
+      if (is_alone && from_stay.lo > 0) { // what stays has less of a share the less it agrees
+        const Range agreed = smooth_step(clamp(Range(2.0) - 2.0 * sqrt(squared_distance(deepest->by, stay)) / deepest->limit, 0, 1));
+        const Range& share = deepest->share;
+        const Range part = within(share / (share + (Range(1.0) - share) * agreed), {share.value.lo, 1});
+        return out = moved({part * deepest->by.x, part * deepest->by.y, part * deepest->by.z}), false;
+      }
+    }
   }
   const auto leaves = [&](const Offer<Range>& o) {
     return o.share.value.hi <= 0 || (o.share.value.hi < 0.5 && apart(o.by, stay).lo >= o.limit.value.hi);
@@ -209,7 +219,7 @@ bool AxialMap::bound(const Box3d& box, Point3<Range>& out, std::vector<Box3d>* i
   }
 
   // Anything between what is offered; one by one, no farther from what is chosen than it agrees with others.
-  const bool may_stay = !(stays_out && deepest->share.value.lo >= 0.5);
+  const bool may_stay = !(stays_out && is_owned);
   double most_limit = 0;
   for (const Offer<Range>& o : offers) most_limit = std::max(most_limit, o.limit.value.hi);
   if (images) {

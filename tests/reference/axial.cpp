@@ -13,7 +13,6 @@ Vec cross(Vec a, Vec b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, 
 Vec unit(Vec a) { return a * (1 / length(a)); }
 
 int degree_of(const Axis& axis) { return std::min(axis.degree, int(axis.rest.size()) - 1); }
-int pieces_of(const Axis& axis) { return int(axis.rest.size()) - degree_of(axis); }
 
 /// A clamped uniform B-spline; t in units of pieces. `piece` says which polynomial is meant at a knot.
 Vec spline(const std::vector<Vec>& points, int degree, int piece, double t) {
@@ -243,9 +242,9 @@ Vec undeformed(const Axial& axial, Vec p) {
     if (!is_near_box(axis, p, 0)) continue;
     const Place place = nearest(axis.deformed_nodes, p);
     if (place.distance >= axis.radius) continue;
-    const double depth = 1 - place.distance / axis.radius;
+    const double depth = (1 - place.distance / axis.radius) / axis.border;
     const Vec q = rest_of(axis, place, p);
-    offers.push_back({q - p, depth, smooth(depth / axis.border), axis.radius * axis.border / 3});
+    offers.push_back({q - p, depth, smooth(depth), axis.radius * axis.border / 3});
   }
   const Vec nowhere = p + Vec{axial.nowhere, 0, 0};
   const Offer* deepest = nullptr;
@@ -256,10 +255,9 @@ Vec undeformed(const Axial& axial, Vec p) {
   }
   const double rest = std::max(0.0, 1 - sum);
   const bool is_owned = deepest && deepest->share >= 0.5;
-  const bool is_gone = (!is_owned || rest > 0) && is_vacated(axial, p);
-  if (!is_owned && is_gone) return nowhere;
+  if (!is_owned && is_vacated(axial, p)) return nowhere;
   const Vec chosen = is_owned ? deepest->by : Vec{};
-  double shares = is_gone ? 0 : rest * (is_owned ? agreement(chosen, {}, deepest->limit) : 1);
+  double shares = rest * (is_owned ? agreement(chosen, {}, deepest->limit) : 1);
   Vec by;
   for (const Offer& o : offers) {
     const double share = is_owned && &o == deepest ? o.share : o.share * agreement(o.by, chosen, std::min(o.limit, deepest->limit));
