@@ -114,7 +114,7 @@ TEST(Tracer, APacketIsNoMoreThanItsRays) {
     fields.push_back({field, k_small_cells});
   }
   const EveryKind kinds;
-  for (unsigned trial = 0; trial < 3000; trial += 101) {
+  for (unsigned trial = 0; trial < 3000; trial += 307) {
     Random r(trial);
     fields.push_back({kinds.random_field(trial, r), trial % 2 ? CellLimits{} : k_small_cells});
   }

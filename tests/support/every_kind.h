@@ -22,7 +22,8 @@ Kind<SampledMode> random_leaf(Random& r) {
   k.radius = random_radius(r);
   k.weight = float(r.below(6) ? 1 + r.log_uniform(0.01, 2) : -r.uniform(0.2, 2));
   make_special(k, r);
-  if constexpr (ComplexPrimitive<Kind<SampledMode>>) k.detail = float(r.log_uniform(0.1, 1)); // a few dozen pieces
+  // A few pieces, and not as thin as to take a million cells.
+  if constexpr (ComplexPrimitive<Kind<SampledMode>>) k.detail = float(r.log_uniform(0.6, 3)), k.radius = std::max(k.radius, 0.2f);
   return k;
 }
 
