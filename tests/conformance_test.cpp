@@ -379,6 +379,37 @@ TEST(Conformance, WarpsInvertAndBoundTheirImages) {
   });
 }
 
+// Where a box meets a tear: its images are in boxes that say more than one box around all of them.
+TEST(Conformance, TornImagesHoldAllThatIsSomewhere) {
+  for_each_field_kind([&]<template <class> class Kind>() {
+    if constexpr (TearingWarp<Kind<SampledMode>>) {
+      SCOPED_TRACE(Kind<SampledMode>::k_name);
+      const auto volume = [](const Box3d& b) { return b.extent().x * b.extent().y * b.extent().z; };
+      int torn = 0, narrow = 0;
+      for (unsigned trial = 0; trial < 20 * k_trials; ++trial) {
+        Random r(trial);
+        const auto kind = random_kind<Kind>(r);
+        const Box3d box = random_box(r, {Vec3d(-2), Vec3d(2)});
+        std::vector<Box3d> images;
+        if (!kind.torn_images(box, images)) continue;
+        ++torn;
+        const Point3<Interval> range = kind.child_from_parent(box_point(box));
+        double all = 0;
+        for (const Box3d& image : images) all += volume(image);
+        narrow += all < 0.5 * volume({{range.x.lo, range.y.lo, range.z.lo}, {range.x.hi, range.y.hi, range.z.hi}});
+        for (int i = 0; i < 20; ++i) {
+          const Point3<double> q = kind.child_from_parent(point<double>(r.in(box)));
+          const bool is_somewhere = q.x < 1e4;
+          EXPECT_TRUE(!is_somewhere ||
+                      std::any_of(images.begin(), images.end(), [&](const Box3d& b) { return b.padded(1e-9).contains(Vec3d(q.x, q.y, q.z)); }));
+        }
+      }
+      EXPECT_GT(torn, k_trials / 10);
+      EXPECT_GT(narrow, torn / 2);
+    }
+  });
+}
+
 // --- motion: two states of a kind, and all that are interpolated between them ---
 
 /// Another state of a kind: any, or close by.

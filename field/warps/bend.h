@@ -80,20 +80,35 @@ Source: Barr 1984, "Global and local deformations of solid primitives"; methods.
   Point3<Real> child_from_parent(const Point3<Real>& p) const {
     const Arc arc(*this);
     if (arc.is_straight()) return p;
-    const Point3<Real> q = arc.frame.local(p);
-    const double k = arc.curvature, end = arc.end;
-    // About the bend axis, in radii: the line is at 1. The cut is opposite the middle of the arc.
-    const Real x = Real(1.0) - k * q.x, y = k * q.z, turn = azimuth(x, y, 0.5 * end - std::numbers::pi);
-    const Interval range = range_of(turn);
+    const Turned<Real> q(arc, p);
+    const Real turn = azimuth(q.x, q.y, arc.cut);
     Pieces<Real> pieces;
-    if (range.lo <= 0) pieces.add({q.x, q.y, within(q.z, {-k_far, 0})});
-    if (range.hi >= 0 && range.lo <= end) pieces.add({(Real(1.0) - norm(x, y)) * (1 / k), q.y, within(turn * (1 / k), {0, length})});
-    if (range.hi >= end) {
-      const Point3<Real> r = arc.before_end(q);
-      pieces.add({r.x, r.y, within(r.z, {length, k_far})});
-    }
-    if (range.width() >= std::numbers::pi) pieces.tear();
+    for_each_piece(arc, q, turn, [&](const Point3<Real>& piece) { pieces.add(piece); });
+    if (range_of(turn).width() >= std::numbers::pi) pieces.tear();
     return arc.frame.global(pieces.all);
+  }
+
+  /// Whether the box meets the cut or the bend axis; then boxes around its images: one for each part of space on either side.
+  bool torn_images(const Box3d& box, std::vector<Box3d>& images) const {
+    constexpr double whole = 2 * std::numbers::pi;
+    const Arc arc(*this);
+    if (arc.is_straight()) return false;
+    const Turned<Interval> q(arc, {{box.lower.x, box.upper.x}, {box.lower.y, box.upper.y}, {box.lower.z, box.upper.z}});
+    const Interval turn = azimuth(q.x, q.y, arc.cut);
+    if (turn.width() < std::numbers::pi) return false;
+    images.clear();
+    const auto add = [&](const Point3<Interval>& piece) {
+      const Point3<Interval> p = arc.frame.global(piece);
+      images.push_back({{p.x.lo, p.y.lo, p.z.lo}, {p.x.hi, p.y.hi, p.z.hi}});
+    };
+    const Interval across = azimuth(q.x, q.y, arc.cut + std::numbers::pi); // no jump where the cut is
+    if (across.width() >= std::numbers::pi) {                              // the bend axis
+      for_each_piece(arc, q, turn, add);
+      return true;
+    }
+    for_each_piece(arc, q, Interval{across.lo, arc.cut + whole}, add);
+    for_each_piece(arc, q, Interval{arc.cut, across.hi - whole}, add);
+    return true;
   }
 
   template <class Real>
@@ -124,11 +139,12 @@ Source: Barr 1984, "Global and local deformations of solid primitives"; methods.
   struct Arc {
     AxisFrame frame;
     double end, curvature; ///< the whole angle and that for a unit of length, in radians, not negative
+    double cut;            ///< the angle at which space is cut: opposite the middle of the arc
     double c, s, x, z;     ///< cosine and sine of `end`; what is beyond the end was turned by it and then moved by (x, 0, z)
 
     explicit Arc(const Bend& b)
         : frame(Vec3d(b.centre), Vec3d(b.axis), b.angle < 0 ? -Vec3d(b.towards) : Vec3d(b.towards)),
-          end(glm::radians(std::abs(double(b.angle)))), curvature(end / double(b.length)), c(std::cos(end)), s(std::sin(end)),
+          end(glm::radians(std::abs(double(b.angle)))), curvature(end / double(b.length)), cut(0.5 * end - std::numbers::pi), c(std::cos(end)), s(std::sin(end)),
           x((1 - c) / curvature), z((end - s) / curvature) {}
 
     /// Below this angle rounding would move points by more than the bend does: both are about 1e-8 of the length.
@@ -147,6 +163,29 @@ Source: Barr 1984, "Global and local deformations of solid primitives"; methods.
 
 private:
   static constexpr double k_far = std::numeric_limits<double>::infinity();
+
+  /// A point in the frame of the arc, and about the bend axis in radii: there the line is at 1.
+  template <class Real>
+  struct Turned {
+    Point3<Real> at;
+    Real x, y;
+    Turned(const Arc& arc, const Point3<Real>& p) : at(arc.frame.local(p)), x(Real(1.0) - arc.curvature * at.x), y(arc.curvature * at.z) {}
+  };
+
+  /// Where each part of space that is met at an angle of `turn` comes from, in the frame.
+  template <class Real, class Visit>
+  void for_each_piece(const Arc& arc, const Turned<Real>& q, const Real& turn, Visit&& visit) const {
+    const Interval range = range_of(turn);
+    if (range.lo <= 0) visit(Point3<Real>{q.at.x, q.at.y, within(q.at.z, {-k_far, 0})});
+    if (range.hi >= 0 && range.lo <= arc.end) {
+      const double radius = 1 / arc.curvature;
+      visit(Point3<Real>{(Real(1.0) - norm(q.x, q.y)) * radius, q.at.y, within(turn * radius, {0, length})});
+    }
+    if (range.hi >= arc.end) {
+      const Point3<Real> r = arc.before_end(q.at);
+      visit(Point3<Real>{r.x, r.y, within(r.z, {length, k_far})});
+    }
+  }
 
   /// What holds in any of the parts of space that a box meets.
   template <class Real>
