@@ -2,6 +2,7 @@
 #define HWY_COMPILE_ONLY_STATIC
 #include <gtest/gtest.h>
 
+#include "field/warps/axis_tube.h"
 #include "renderer/trace/warp_lanes-inl.h"
 #include "tests/support/random_scene.h"
 
@@ -90,6 +91,58 @@ TEST(WarpLanes, AreTheFormulasOfTheKinds) {
   RecordProperty("most_place", std::to_string(most_place));
   RecordProperty("most_velocity", std::to_string(most_velocity));
   EXPECT_GT(compared, 5000u);
+}
+
+// As precise as its frames are, a few 1e-6 of the tube's radius, and where it is in lanes at all: of most cells that one axis has
+// to itself.
+TEST(WarpLanes, AreAxialDeformationsWhereOneAxisActsAlone) {
+  size_t compared = 0, joined = 0, still = 0, at_ends = 0;
+  double most_place = 0, most_velocity = 0;
+  for (unsigned trial = 0; trial < 4000; ++trial) {
+    SCOPED_TRACE(trial);
+    Random r(trial);
+    SampledField field;
+    Point<SampledMode> point;
+    point.radius = 10, point.weight = 2;
+    Rotate<SampledMode> rotate = random_kind<Rotate>(r);
+    auto axial = random_kind<Axial>(r);
+    if (axial.map->tubes().empty()) continue;
+    const AxisCurve& axis = axial.map->tubes()[0].deformed();
+    axial.child = add(field, point);
+    const unsigned node = add(field, axial);
+    rotate.child = node;
+    const bool is_rotated = r.below(2);
+    if (is_rotated) add(field, rotate);
+    const FieldProgram program = compile(field, 1);
+    const float size = float(r.log_uniform(1e-3, 0.2));
+    Vec3 centre = random_point(r, 2);
+    if (!is_rotated && r.below(8) > 0) { // near the axis; sometimes near its end
+      const size_t step = r.below(2) ? axis.steps() - 1 : r.below(unsigned(axis.steps()));
+      centre = Vec3(axis.step(step)(r.below(2) ? r.uniform(0, 1) : 0) + 0.5 * axis.reach(step, 0.5) * r.uniform(0, 1) * r.direction());
+    }
+    const Box3 cell{centre - size, centre + size};
+    const std::optional<Tree> tree = make_tree(program, program.code, cell);
+    if (!tree) continue; // torn, or too far from a line
+    const TreeView view = tree->view();
+    if (view.spaces[0].warp.form == LaneWarp::Form::none) continue; // several axes, or borders
+    joined += view.spaces[0].warp.piece_count > 1, still += view.spaces[0].warp.piece_count == 0;
+    for (int i = 0; i < 10; ++i) {
+      const Vec3 from_centre = random_point(r, size);
+      AxisFoot foot;
+      at_ends += !is_rotated && axis.find(Vec3d(centre + from_centre), foot) && foot.is_at_end;
+      const Vec2d d = HWY_STATIC_DISPATCH(difference)(program, view, cell.centre(), from_centre, Vec3(r.direction()), size);
+      const double place = d.x * double(size);
+      most_place = std::max(most_place, place), most_velocity = std::max(most_velocity, d.y), ++compared;
+      EXPECT_LT(place, 4e-6 + 2e-5 * double(size));
+      EXPECT_LT(d.y, 2e-3);
+    }
+  }
+  RecordProperty("most_place", std::to_string(most_place));
+  RecordProperty("most_velocity", std::to_string(most_velocity));
+  EXPECT_GT(compared, 5000u);
+  EXPECT_GT(joined, 10u) << "cells where an axis has a knot";
+  EXPECT_GT(still, 50u) << "cells where nothing moves";
+  EXPECT_GT(at_ends, 500u) << "points beyond an end";
 }
 
 } // namespace

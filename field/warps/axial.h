@@ -135,6 +135,8 @@ Source: Chow, Hui 2008, "Axial deformation with controllable local coordinate fr
 
   bool torn_images(const Box3d& box, std::vector<Box3d>& images) const { return map->torn_images(box, images); }
 
+  bool alone(const Box3d& box, double tolerance, std::vector<AxisPiece>& pieces) const { return map->alone(box, tolerance, pieces); }
+
   Point3<double> parent_from_child(const Point3<double>& p) const { return map->deformed(p); }
   Box3d image_of(const Box3d& box) const { return map->image_of(box); }
 

@@ -239,6 +239,33 @@ bool AxialMap::bound(const Box3d& box, Point3<Range>& out, std::vector<Box3d>* i
   return true;
 }
 
+bool AxialMap::alone(const Box3d& box, double tolerance, std::vector<AxisPiece>& pieces) const {
+  pieces.clear();
+  std::vector<AxisOffer<Interval>> offers;
+  std::vector<const AxisTube*> tubes;
+  AxisOffer<Interval> offer;
+  for (const AxisTube& tube : tubes_)
+    if (tube.offer(box, offer) && offer.depth.hi > 0) offers.push_back(offer), tubes.push_back(&tube);
+  const auto moves = [&](const AxisOffer<Interval>& o) {
+    return std::any_of(o.by.begin(), o.by.end(), [&](const Interval& by) { return by.magnitude() > 1e-3 * tolerance; });
+  };
+  if (std::none_of(offers.begin(), offers.end(), moves))
+    return std::none_of(tubes_.begin(), tubes_.end(), [&](const AxisTube& tube) { return tube.moved(box).some; });
+  size_t owner = 0;
+  for (size_t i = 1; i < offers.size(); ++i)
+    if (offers[i].depth.lo / offers[i].border > offers[owner].depth.lo / offers[owner].border) owner = i;
+  const AxisOffer<Interval>& deepest = offers[owner];
+  if (deepest.depth.lo < deepest.border) return false;
+  // The others differ so much from it that it joins none of them.
+  const auto yields = [&](const AxisOffer<Interval>& o) {
+    if (&o == &deepest) return true;
+    Interval apart2(0.0);
+    for (size_t i = 0; i < 3; ++i) apart2 = apart2 + square(o.by[i] - deepest.by[i]);
+    return o.depth.hi / o.border < deepest.depth.lo / deepest.border && apart2.lo >= square(std::min(o.limit.hi, deepest.limit.hi));
+  };
+  return std::all_of(offers.begin(), offers.end(), yields) && tubes[owner]->pieces(box, tolerance, pieces);
+}
+
 Point3<double> AxialMap::deformed(const Point3<double>& q) const {
   if (tubes_.empty()) return q;
   const Vec3d target{q.x, q.y, q.z};

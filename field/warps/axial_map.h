@@ -10,6 +10,7 @@
 namespace kelpie {
 
 class AxisTube;
+struct AxisPiece;
 
 class AxialMap {
 public:
@@ -27,6 +28,9 @@ public:
   Point3<Range> rest_of(const Box3d&) const;
   /// Whether the map may jump in a box; then `images` are boxes around all places where the box goes, but for what is nowhere.
   bool torn_images(const Box3d&, std::vector<Box3d>&) const;
+
+  /// Whether one axis alone acts on all points of a box, or none: then its pieces (AxisTube::pieces).
+  bool alone(const Box3d&, double tolerance, std::vector<AxisPiece>&) const;
 
   /// A point that `rest` takes to q, if there is one.
   Point3<double> deformed(const Point3<double>& q) const;

@@ -19,6 +19,19 @@ struct AxisOffer {
   double border = 1; ///< the depth at its end
 };
 
+/// An axis as it acts on the points of a box, in a stretch without knots or frames within: polynomials of u, the place on the axis less
+/// that where u is 0, in no unit. The place c(u) that is nearest to p = middle + d is where (offset + d - dc(u)) c'(u) = 0, but for
+/// the limits, and the rest point is p + shift(u) + turn(u) (offset + d - dc(u)).
+struct AxisPiece {
+  double low, high;           ///< limits: the ends of the axis, or where no point of the box has its place
+  double joint;               ///< the end of the stretch: where another follows, that has the places beyond
+  Vec3d offset;               ///< from c(0) to the middle of the box
+  std::array<Vec3d, 3> axis;  ///< dc(u) = c(u) - c(0), by powers of u, from the first on
+  std::array<Vec3d, 4> shift; ///< by powers of u
+  std::array<Mat3d, 5> turn;  ///< by powers of u
+  int newton_steps;           ///< so many from u = 0 find the place of every point of the box, to 1e-6 of what is in question
+};
+
 class AxisTube {
 public:
   explicit AxisTube(const AxisShape&);
@@ -37,6 +50,10 @@ public:
   bool offer(const Vec3d& p, bool with_slopes, AxisOffer<double>&) const;
   /// For a box: `contains`, in each offer, whatever any point of it is offered; depth 0 where it is outside. False: all are.
   bool offer(const Box3d&, AxisOffer<Interval>&) const;
+
+  /// The axis as it acts on a box that lies in the tube: stretches in order, a place beyond the end of one is in the next. False if it is
+  /// not to be had so that rest points differ from those of offer() by no more than `tolerance`, or what frames are precise to.
+  bool pieces(const Box3d&, double tolerance, std::vector<AxisPiece>&) const;
 
   /// For a point of the rest space: how far it is moved; false if it is outside the tube.
   bool move(const Vec3d& q, Vec3d& by, double& limit) const;
@@ -61,9 +78,11 @@ private:
   AxisTube(const AxisShape&, Built&&);
   void offer_at(const AxisFoot&, bool with_slopes, AxisOffer<double>&) const;
   void offer_part(const AxisPart&, const Box3d&, Interval distance, AxisOffer<Interval>&) const;
+  bool fit(size_t step, double from, double to, const Box3d&, double tolerance, AxisPiece&) const;
 
   AxisCurve deformed_, rest_;
   std::vector<Turn> turns_;
+  std::vector<size_t> ends_; ///< of each step: that after the last step of its stretch between knots and frames
   double border_, limit_part_, most_reach_ = 0;
   double cut_at_ = 0, cut_radius_ = 0;
   bool moves_ = false;

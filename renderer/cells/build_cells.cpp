@@ -12,7 +12,7 @@ namespace kelpie {
 size_t ShapeCells::bytes() const {
   return cells.size() * sizeof(Cell) + leaf_data.size() * sizeof(float) + steps.size() * sizeof(Instruction) +
          tree_steps.size() * sizeof(TreeStep) + tree_spaces.size() * sizeof(TreeSpace) + solids.size() * sizeof(SolidLeaf) +
-         solid_parts.size() * sizeof(SolidPart) + solid_edges.size() * sizeof(SolidEdge) +
+         solid_parts.size() * sizeof(SolidPart) + solid_edges.size() * sizeof(SolidEdge) + lane_axes.size() * sizeof(LaneAxis) +
          (operands.size() + blob_indices.size()) * sizeof(uint32_t);
 }
 
@@ -23,8 +23,9 @@ constexpr double k_margin = 1e-5;
 /// Subtrees with more elements than this are built in parallel; each level of them copies the cells once.
 constexpr size_t k_parallel_elements = 2000;
 
-/// How much the warps of a cell may differ from a linear map, unless its side is below this many radii.
-constexpr double k_most_turning = 0.5, k_calm_side = 0.2;
+/// How much the warps of a cell may differ from a linear map. Below k_calm_side radii they may as much as a tree allows; below
+/// k_torn_side they may anyhow: so what is torn is divided until few cells have both the tear and the surface.
+constexpr double k_most_turning = 0.5, k_calm_side = 0.2, k_torn_side = 0.05;
 
 class Builder {
 public:
@@ -50,14 +51,15 @@ public:
   }
 
 private:
-  /// Whether rays are nearly lines in the spaces of a cell; below a part of a radius it does not matter.
+  /// Whether rays are nearly lines in the spaces of a cell; below a part of a radius it matters less.
   bool is_calm(const Box3d& box, const Code& code, double side, double radius) const {
-    if (side <= k_calm_side * radius) return true;
+    if (side <= k_torn_side * radius) return true;
+    const double most = side <= k_calm_side * radius ? k_most_drift : k_most_turning;
     uint32_t last = 0;
     for (const Instruction& step : code.steps) {
       if (step.space == last || program_.spaces[step.space].is_affine_in_world()) continue;
       last = step.space;
-      if (!(turning(program_, step.space, {Vec3(box.lower), Vec3(box.upper)}) <= k_most_turning)) return false;
+      if (!(turning(program_, step.space, {Vec3(box.lower), Vec3(box.upper)}) <= most)) return false;
     }
     return true;
   }
@@ -97,6 +99,7 @@ private:
       cell.first += cell.has_code() ? out.steps.size() : cell.content == Cell::Content::tree ? out.tree_steps.size() : out.leaf_data.size();
       cell.solids += static_cast<uint32_t>(out.solids.size());
       cell.parts += static_cast<uint32_t>(out.solid_parts.size()), cell.edges += static_cast<uint32_t>(out.solid_edges.size());
+      cell.axes += static_cast<uint32_t>(out.lane_axes.size());
       out.cells.push_back(cell);
     }
     const auto operands = static_cast<uint32_t>(out.operands.size()), blobs = static_cast<uint32_t>(out.blob_indices.size());
@@ -108,6 +111,7 @@ private:
     add(&ShapeCells::operands), add(&ShapeCells::blob_indices), add(&ShapeCells::leaf_data);
     add(&ShapeCells::tree_steps), add(&ShapeCells::tree_spaces);
     add(&ShapeCells::solids), add(&ShapeCells::solid_parts), add(&ShapeCells::solid_edges);
+    add(&ShapeCells::lane_axes);
   }
 
   void add_cell(const Box3d& box, const Code& code, double radius, ShapeCells& out) const {
@@ -193,6 +197,7 @@ private:
     cell.solids = static_cast<uint32_t>(add(tree->solids, out.solids));
     cell.parts = static_cast<uint32_t>(add(tree->parts, out.solid_parts)),
     cell.edges = static_cast<uint32_t>(add(tree->edges, out.solid_edges));
+    cell.axes = static_cast<uint32_t>(add(tree->axes, out.lane_axes));
     return true;
   }
 
@@ -239,8 +244,7 @@ private:
     double least = std::numeric_limits<double>::infinity();
     for (const Instruction& step : code.steps)
       if (step.kind == Instruction::Kind::skeleton)
-        least =
-            std::min(least, smallest_scale(step.space) * visit_skeleton(step.node, [](const auto& kind) { return reach_of(kind); }));
+        least = std::min(least, smallest_scale(step.space) * visit_skeleton(step.node, [](const auto& kind) { return reach_of(kind); }));
     return least;
   }
 

@@ -37,6 +37,7 @@ struct Cell {
   uint32_t space_count = 0, spaces = 0; ///< of a tree: how many and where in ShapeCells::tree_spaces
   uint32_t solid_count = 0, solids = 0; ///< of a tree: how many and where in ShapeCells::solids
   uint32_t parts = 0, edges = 0;        ///< where those of its solids begin
+  uint32_t axes = 0;                    ///< of a tree: where those of its warps begin
 };
 
 /// All cells of one shape in a slab of time: where nothing moves, the whole time. The code of a cell refers to `operands`
@@ -50,6 +51,7 @@ struct ShapeCells {
   std::vector<SolidLeaf> solids;
   std::vector<SolidPart> solid_parts;
   std::vector<SolidEdge> solid_edges;
+  std::vector<LaneAxis> lane_axes;
   std::vector<Instruction> steps;
   std::vector<uint32_t> operands, blob_indices;
   float slab_start = 0, slabs = 1; ///< the slab is [start, start + 1 / slabs] of the open shutter
@@ -67,7 +69,8 @@ struct ShapeCells {
             leaf_data.data() + c.leaves,
             c.leaf_count,
             c.is_monotone,
-            {std::span(solids).subspan(c.solids, c.solid_count), solid_parts.data() + c.parts, solid_edges.data() + c.edges}};
+            {std::span(solids).subspan(c.solids, c.solid_count), solid_parts.data() + c.parts, solid_edges.data() + c.edges},
+            lane_axes.data() + c.axes};
   }
   const float* blobs(const Cell& c) const { return leaf_data.data() + c.first; }
   size_t bytes() const;

@@ -1,5 +1,7 @@
 #include "renderer/cells/lane_warp.h"
 
+#include "field/warps/axis_tube.h"
+
 namespace kelpie {
 
 namespace {
@@ -69,6 +71,51 @@ LaneWarp lane_warp(const Bend<SampledMode>& bend, const Affine& local_from_paren
   const Vec2d images[] = {{at.x, at.z}, {line - distance, line * angle}, {beyond.x, beyond.z}};
   const Vec2d& of_centre = images[angle <= 0 ? 0 : angle <= arc.end ? 1 : 2];
   for (int i = 0; i < 3; ++i) w.offset_x[i] = number(images[i].x - of_centre.x), w.offset_z[i] = number(images[i].y - of_centre.y);
+  return w;
+}
+
+namespace {
+
+void put(const Vec3d& v, float* out) {
+  for (int i = 0; i < 3; ++i) out[i] = number(v[i]);
+}
+
+/// For places from `centre`, which is the middle of the piece's box but for rounding.
+LaneAxis lane_axis(const AxisPiece& piece, const Vec3d& centre, const Vec3d& image) {
+  LaneAxis out;
+  out.low = number(piece.low), out.high = number(piece.high), out.joint = number(piece.joint), out.newton_steps = piece.newton_steps;
+  const auto& a = piece.axis;
+  put(piece.offset, out.offset), out.along = number(glm::dot(piece.offset, a[0]));
+  for (size_t i = 0; i < 3; ++i) put(a[i], out.axis[i]), put(piece.shift[i + 1], out.shift[i]);
+  const double squares[] = {glm::dot(a[0], a[0]), 3 * glm::dot(a[0], a[1]), 2 * glm::dot(a[1], a[1]) + 4 * glm::dot(a[0], a[2]),
+                            5 * glm::dot(a[1], a[2]), 3 * glm::dot(a[2], a[2])};
+  for (size_t i = 0; i < 5; ++i) {
+    out.squares[i] = number(squares[i]);
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column) out.turn[i][3 * row + column] = number(piece.turn[i][column][row]);
+  }
+  put(centre + piece.shift[0] + piece.turn[0] * piece.offset - image, out.constant);
+  return out;
+}
+
+} // namespace
+
+LaneWarp lane_warp(const Axial<SampledMode>& axial, const Affine& local_from_parent, const Vec3d& centre, const Vec3d& image,
+                   const Box3d& box, std::vector<LaneAxis>& pieces) {
+  // The map itself is not more precise.
+  constexpr double k_tolerance = 1e-5;
+  const Vec3d c = local_from_parent(centre), extent = box.extent();
+  Box3d around = box; // with c in its middle
+  around.extend(c + glm::max(box.upper - c, c - box.lower)), around.extend(c - glm::max(box.upper - c, c - box.lower));
+  std::vector<AxisPiece> found;
+  if (!axial.alone(around, k_tolerance * std::max({extent.x, extent.y, extent.z}), found)) return {};
+  LaneWarp w{};
+  w.form = LaneWarp::Form::axial;
+  w.first_piece = static_cast<uint32_t>(pieces.size()), w.piece_count = static_cast<uint32_t>(found.size());
+  for (const AxisPiece& piece : found) pieces.push_back(lane_axis(piece, c, image));
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) w.from[3 * i + j] = number(local_from_parent.linear[j][i]), w.back[3 * i + j] = i == j ? 1.f : 0.f;
+  if (found.empty()) put(c - image, w.shift);
   return w;
 }
 

@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "base/box.h"
 #include "field/kinds.h"
 
 namespace kelpie {
@@ -12,7 +13,7 @@ namespace kelpie {
 ///   back(difference(p)) + shift   from the centre of the space;
 /// what `difference` is depends on the form. (x, y, z) is c in the frame.
 struct LaneWarp {
-  enum class Form : uint32_t { none, twist, taper, bend };
+  enum class Form : uint32_t { none, twist, taper, bend, axial };
   Form form = Form::none; ///< none: this kind has no such form, and is computed point by point
   float from[9];          ///< rows
   float back[9];          ///< rows; of a twist turned as c is
@@ -26,6 +27,21 @@ struct LaneWarp {
   /// and of the end. What is before the arc, in it and beyond its end is moved by (offset_x, offset_z).
   float across, along, line, distance, angle, end, cosine, sine;
   float offset_x[3], offset_z[3];
+  /// Of an axial deformation: which pieces of an axis act in the cell; none: nothing is moved.
+  uint32_t first_piece = 0, piece_count = 0;
+};
+
+/// A piece of the axis of an axial deformation (AxisPiece), with what the solvers need beforehand. Numbers of powers of u are one
+/// after the other.
+struct LaneAxis {
+  float low, high, joint;
+  float offset[3], along; ///< along: offset c'(0)
+  float axis[3][3];       ///< from the first power on
+  float squares[5];       ///< dc c', from the first power on
+  float shift[3][3];      ///< from the first power on
+  float turn[5][9];       ///< rows
+  float constant[3];      ///< where the middle goes if its place is c(0), from the image of the cell's centre
+  int newton_steps;
 };
 
 /// About `centre` in the parent space; the warp is kind(local_from_parent(p)), and images count from `image`. For kinds that have no
@@ -37,5 +53,8 @@ LaneWarp lane_warp(const Kind&, const Affine& /*local_from_parent*/, const Vec3d
 LaneWarp lane_warp(const Twist<SampledMode>&, const Affine& local_from_parent, const Vec3d& centre, const Vec3d& image);
 LaneWarp lane_warp(const Taper<SampledMode>&, const Affine& local_from_parent, const Vec3d& centre, const Vec3d& image);
 LaneWarp lane_warp(const Bend<SampledMode>&, const Affine& local_from_parent, const Vec3d& centre, const Vec3d& image);
+/// Appends to `pieces`. `box`: around the cell, in the space of the axes.
+LaneWarp lane_warp(const Axial<SampledMode>&, const Affine& local_from_parent, const Vec3d& centre, const Vec3d& image, const Box3d& box,
+                   std::vector<LaneAxis>& pieces);
 
 } // namespace kelpie

@@ -14,8 +14,6 @@ namespace {
 
 using LeafNumbers = std::array<float, k_leaf_rows>;
 
-/// Where warps turn rays more than this within a cell (at kinks and tears, mostly), bounds by tangents are loose.
-constexpr double k_most_drift = 1;
 /// Below this exponent a hyper-blend rises too steeply from 0 for float.
 constexpr double k_least_exponent = 0.2;
 /// Steeper, the place of the nearest ball would drown in rounding; the distance hardly feels it.
@@ -261,12 +259,27 @@ private:
       base.turning = turning(program_, warped, cell_);
       if (!(base.turning <= k_most_drift) || out_.spaces.size() == k_tree_spaces) return false;
       const LaneWarp lanes = std::visit(
-          [&](const auto& kind) { return lane_warp(kind, warp.local_from_parent * parent_from_base, parent.centre, base.centre); },
+          [&](const auto& kind) {
+            const Affine warp_from_base = warp.local_from_parent * parent_from_base;
+            if constexpr (std::is_same_v<decltype(kind), const Axial<SampledMode>&>)
+              return lane_warp(kind, warp_from_base, parent.centre, base.centre, box_before(warp), out_.axes);
+            else
+              return lane_warp(kind, warp_from_base, parent.centre, base.centre);
+          },
           program_.field.nodes[warp.warp]);
       out_.spaces.push_back({warped, Vec3(base.centre), parent.slot, lanes});
     }
     bases_.emplace_back(warped, base);
     return true;
+  }
+
+  /// Around where the cell is before it is warped.
+  Box3d box_before(const Space& warp) const {
+    SpacePoints<Interval> points;
+    points.begin(program_);
+    const auto range = [&](int i) { return Interval{cell_.lower[i], cell_.upper[i]}; };
+    const Point3<Interval> p = warp.local_from_parent.apply(points.at(program_, warp.parent, {range(0), range(1), range(2)}));
+    return {{p.x.lo, p.y.lo, p.z.lo}, {p.x.hi, p.y.hi, p.z.hi}};
   }
 
   /// An upper bound of the factor by which a map stretches; exact for similarities.

@@ -131,6 +131,7 @@ struct TreeView {
   size_t leaf_count; ///< with padding: leaves that are 0 everywhere
   bool is_monotone;  ///< no R-union and no local blend: steps rise, or fall, with each operand
   Solids solids;
+  const LaneAxis* axes; ///< of its warps
 
   float row(LeafRow r, size_t i) const { return leaves[r * leaf_count + i]; }
   /// Whether the potential is positive where it is not 0.
@@ -148,11 +149,17 @@ struct Tree {
   std::vector<SolidLeaf> solids;
   std::vector<SolidPart> parts;
   std::vector<SolidEdge> edges;
+  std::vector<LaneAxis> axes;
   bool is_monotone = true;
   uint32_t leaf_count = 0; ///< with padding
 
-  TreeView view() const { return {steps, spaces, leaves.data(), leaf_count, is_monotone, {solids, parts.data(), edges.data()}}; }
+  TreeView view() const {
+    return {steps, spaces, leaves.data(), leaf_count, is_monotone, {solids, parts.data(), edges.data()}, axes.data()};
+  }
 };
+
+/// Where warps turn rays more than this within a cell (at kinks and tears, mostly), bounds by tangents are loose: it is no tree.
+inline constexpr double k_most_drift = 1;
 
 /// How much the derivative of the map from the world to a space differs within a box, at most (Frobenius norm);
 /// infinite where the map is not continuous. In a box where it is large a ray is far from a line.

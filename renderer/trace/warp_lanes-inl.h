@@ -87,9 +87,87 @@ inline Curve bent(const LaneWarp& w, const V3& d, const V3& v) {
           {choose(v.x, in_arc.velocity.x, v_beyond.x), v.y, choose(v.z, in_arc.velocity.z, v_beyond.z)}};
 }
 
+/// A polynomial of u: first + u (numbers[0] + u (numbers[stride] + ...)), of so many powers.
+template <size_t Powers>
+V polynomial(const float* numbers, size_t stride, V u, V first) {
+  V sum = set(numbers[(Powers - 1) * stride]);
+  for (size_t i = Powers - 1; i-- > 0;) sum = hn::MulAdd(sum, u, set(numbers[i * stride]));
+  return hn::MulAdd(sum, u, first);
+}
+/// Its derivative.
+template <size_t Powers>
+V derivative(const float* numbers, size_t stride, V u) {
+  V sum = set(float(Powers) * numbers[(Powers - 1) * stride]);
+  for (size_t i = Powers - 1; i-- > 0;) sum = hn::MulAdd(sum, u, set(float(i + 1) * numbers[i * stride]));
+  return sum;
+}
+
+/// As AxisPiece says; `beyond`: which lanes have their place in the next piece.
+static HWY_NOINLINE Curve along_axis(const LaneAxis& a, const V3& d, const V3& v, M& beyond) {
+  const auto vector = [](const float* p) { return V3{set(p[0]), set(p[1]), set(p[2])}; };
+  const V zero = hn::Zero(k_lanes);
+  const V3 w{hn::Add(d.x, set(a.offset[0])), hn::Add(d.y, set(a.offset[1])), hn::Add(d.z, set(a.offset[2]))};
+  // f = (w - dc) c', which falls with u, by powers of u.
+  const V3 first = vector(a.axis[0]);
+  const V f0 = hn::Add(dot(first, d), set(a.along));
+  const V f1 = hn::MulSub(set(2), dot(vector(a.axis[1]), w), set(a.squares[0]));
+  const V f2 = hn::MulSub(set(3), dot(vector(a.axis[2]), w), set(a.squares[1]));
+  const auto f = [&](V u) {
+    const V high = hn::MulAdd(hn::MulAdd(set(a.squares[4]), u, set(a.squares[3])), u, set(a.squares[2]));
+    return hn::MulAdd(hn::MulAdd(hn::NegMulAdd(high, u, f2), u, f1), u, f0);
+  };
+  const auto falls = [&](V u) {
+    const V high = hn::MulAdd(hn::MulAdd(set(5 * a.squares[4]), u, set(4 * a.squares[3])), u, set(3 * a.squares[2]));
+    return hn::NegMulSub(hn::NegMulAdd(high, u, hn::Add(f2, f2)), u, f1);
+  };
+  const V low = set(a.low), high = set(a.high);
+  V u = hn::Min(hn::Max(hn::Div(hn::Neg(f0), f1), low), high);
+  for (int i = 1; i < a.newton_steps; ++i) u = hn::Min(hn::Max(hn::Add(u, hn::Div(f(u), falls(u))), low), high);
+  beyond = hn::Gt(f(set(a.joint)), zero);
+
+  const auto rise = [&](const float(&numbers)[3][3], V u_, int i) { return polynomial<3>(&numbers[0][i], 3, u_, zero); };
+  const V3 to{hn::Sub(d.x, rise(a.axis, u, 0)), hn::Sub(d.y, rise(a.axis, u, 1)), hn::Sub(d.z, rise(a.axis, u, 2))}; // d - dc
+  const V3 from_axis{hn::Sub(w.x, rise(a.axis, u, 0)), hn::Sub(w.y, rise(a.axis, u, 1)), hn::Sub(w.z, rise(a.axis, u, 2))};
+  const V3 tangent{derivative<3>(&a.axis[0][0], 3, u), derivative<3>(&a.axis[0][1], 3, u), derivative<3>(&a.axis[0][2], 3, u)};
+  const auto is_free = hn::And(hn::Gt(u, low), hn::Lt(u, high));
+  const V rate = hn::IfThenElseZero(is_free, hn::Div(dot(tangent, v), falls(u)));
+  const V3 across{hn::NegMulAdd(tangent.x, rate, v.x), hn::NegMulAdd(tangent.y, rate, v.y), hn::NegMulAdd(tangent.z, rate, v.z)};
+  const auto moved = [&](int i, V di, V vi) {
+    const auto turn = [&](int j) { return polynomial<4>(&a.turn[1][3 * i + j], 9, u, zero); };
+    const auto turn_rate = [&](int j) { return derivative<4>(&a.turn[1][3 * i + j], 9, u); };
+    const V3 start = vector(&a.turn[0][3 * i]), change{turn(0), turn(1), turn(2)}, changes{turn_rate(0), turn_rate(1), turn_rate(2)};
+    const V3 all{hn::Add(start.x, change.x), hn::Add(start.y, change.y), hn::Add(start.z, change.z)};
+    const V place = hn::Add(hn::Add(hn::Add(di, rise(a.shift, u, i)), set(a.constant[i])), hn::Add(dot(start, to), dot(change, from_axis)));
+    const V along = hn::Add(derivative<3>(&a.shift[0][i], 3, u), dot(changes, from_axis));
+    return std::pair{place, hn::Add(vi, hn::MulAdd(along, rate, dot(all, across)))};
+  };
+  const auto x = moved(0, d.x, v.x), y = moved(1, d.y, v.y), z = moved(2, d.z, v.z);
+  return {{x.first, y.first, z.first}, {x.second, y.second, z.second}};
+}
+
+/// The pieces one after the other, as many as there are.
+inline Curve along_axes(const LaneWarp& w, const LaneAxis* axes, const V3& d, const V3& v) {
+  if (w.piece_count == 0) return {d, v};
+  M beyond, before;
+  Curve c = along_axis(axes[w.first_piece], d, v, beyond);
+  for (uint32_t i = 1; i < w.piece_count; ++i) {
+    const Curve next = along_axis(axes[w.first_piece + i], d, v, before);
+    const auto choose = [&](const V3& a, const V3& b) {
+      return V3{hn::IfThenElse(beyond, b.x, a.x), hn::IfThenElse(beyond, b.y, a.y), hn::IfThenElse(beyond, b.z, a.z)};
+    };
+    c = {choose(c.place, next.place), choose(c.velocity, next.velocity)};
+    beyond = hn::And(beyond, before);
+  }
+  return c;
+}
+
 /// From the parent space of a warp to its own.
-inline Curve warped(const LaneWarp& w, const Curve& parent) {
+inline Curve warped(const LaneWarp& w, const LaneAxis* axes, const Curve& parent) {
   const V3 d = times(w.from, parent.place), v = times(w.from, parent.velocity);
+  if (w.form == LaneWarp::Form::axial) {
+    const Curve c = along_axes(w, axes, d, v);
+    return {{hn::Add(c.place.x, set(w.shift[0])), hn::Add(c.place.y, set(w.shift[1])), hn::Add(c.place.z, set(w.shift[2]))}, c.velocity};
+  }
   const Curve c = w.form == LaneWarp::Form::twist ? twisted(w, d, v) : w.form == LaneWarp::Form::taper ? tapered(w, d, v) : bent(w, d, v);
   const V3 p = times(w.back, c.place);
   return {{hn::Add(p.x, set(w.shift[0])), hn::Add(p.y, set(w.shift[1])), hn::Add(p.z, set(w.shift[2]))}, times(w.back, c.velocity)};
@@ -101,7 +179,7 @@ void find_curves(const TreeView& tree, const Curve& line, const ByPoints& by_poi
   for (size_t i = 0; i < tree.spaces.size(); ++i) {
     const TreeSpace& space = tree.spaces[i];
     const Curve& parent = space.base == 0 ? line : curves[space.base - 1];
-    curves[i] = space.warp.form == LaneWarp::Form::none ? by_points(i) : warped(space.warp, parent);
+    curves[i] = space.warp.form == LaneWarp::Form::none ? by_points(i) : warped(space.warp, tree.axes, parent);
   }
 }
 
