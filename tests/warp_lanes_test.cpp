@@ -16,7 +16,7 @@ Vec2d difference(const FieldProgram& program, const TreeView& tree, const Vec3& 
   const auto in_lanes = [](const Vec3& v) { return V3{set(v.x), set(v.y), set(v.z)}; };
   Curve curves[k_tree_spaces];
   const auto none = [](size_t) -> Curve { throw std::logic_error("no form in lanes"); };
-  find_curves(tree, {in_lanes(from_centre), in_lanes(direction)}, none, curves);
+  find_curves(tree, {in_lanes(from_centre), in_lanes(direction)}, 1, none, curves);
   using D = Dual<double, 1>;
   SpacePoints<D> points;
   points.begin(program);

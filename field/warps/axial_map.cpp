@@ -255,7 +255,11 @@ bool AxialMap::alone(const Box3d& box, double tolerance, std::vector<AxisPiece>&
   for (size_t i = 1; i < offers.size(); ++i)
     if (offers[i].depth.lo / offers[i].border > offers[owner].depth.lo / offers[owner].border) owner = i;
   const AxisOffer<Interval>& deepest = offers[owner];
-  if (deepest.depth.lo < deepest.border) return false;
+  // It has the point without a share for what stays; what differs much from it has none at all.
+  Interval moved2(0.0);
+  for (const Interval& by : deepest.by) moved2 = moved2 + square(by);
+  const bool is_far = moved2.lo >= square(deepest.limit.hi) && deepest.depth.lo > 0.501 * deepest.border;
+  if (deepest.depth.lo < deepest.border && !is_far) return false;
   // The others differ so much from it that it joins none of them.
   const auto yields = [&](const AxisOffer<Interval>& o) {
     if (&o == &deepest) return true;

@@ -448,11 +448,11 @@ std::array<Mat3d, 5> interpolated(const std::array<double, 5>& x, std::array<Mat
 }
 
 /// How many of Newton's steps from u = 0 find a piece's place for every point of a box, where that lies in [-h, h]; 0 if they may not.
-int newton_steps(const AxisPiece& piece, const Vec3d& half, double h) {
+/// Makes h smaller, if places surely lie in less.
+int newton_steps(const AxisPiece& piece, const Vec3d& half, double& h) {
   constexpr double k_precise = 1e-6;
-  constexpr int k_most = 6;
+  constexpr int k_most = 7;
   const auto& a = piece.axis;
-  const Interval u{-k_room * h, k_room * h};
   const auto along = [&](const Vec3d& v) {
     const double middle = glm::dot(v, piece.offset), width = glm::dot(glm::abs(v), half);
     return Interval{middle - width, middle + width};
@@ -461,13 +461,20 @@ int newton_steps(const AxisPiece& piece, const Vec3d& half, double h) {
   const double aa = glm::dot(a[0], a[0]), ab = glm::dot(a[0], a[1]), n2 = 2 * glm::dot(a[1], a[1]) + 4 * glm::dot(a[0], a[2]);
   const double n3 = 5 * glm::dot(a[1], a[2]), n4 = 3 * glm::dot(a[2], a[2]);
   const Interval f2 = 3.0 * along(a[2]) - 3 * ab;
-  const Interval falls = aa - 2.0 * along(a[1]) - u * (2.0 * f2 - u * (3 * n2 + u * (4 * n3 + u * (5 * n4))));
+  const auto falls = [&](const Interval& u) {
+    return aa - 2.0 * along(a[1]) - u * (2.0 * f2 - u * (3 * n2 + u * (4 * n3 + u * (5 * n4))));
+  };
+  const double most = along(a[0]).magnitude(); // of f(0)
+  for (int i = 0; i < 3; ++i)
+    if (const double least = falls({-h, h}).lo; least > 0) h = std::min(h, most / least);
+  const Interval u{-k_room * h, k_room * h};
   const Interval bends = 2.0 * f2 - u * (6 * n2 + u * (12 * n3 + u * (20 * n4)));
-  if (!(falls.lo > 0)) return 0;
-  const double factor = 0.5 * bends.magnitude() / falls.lo;
+  const double least = falls(u).lo;
+  if (!(least > 0)) return 0;
+  const double factor = 0.5 * bends.magnitude() / least;
   int steps = 0;
   for (double error = h; error > k_precise * h; ++steps) {
-    if (steps == k_most || factor * error > 0.5) return 0;
+    if (steps == k_most || factor * error > 0.7) return 0;
     error *= factor * error;
   }
   return std::max(steps, 1);
@@ -491,8 +498,6 @@ bool AxisTube::fit(size_t step, double from, double to, const Box3d& box, double
   const double at = in_step(middle, k);
   const CubicStep<Vec3d>&c = deformed_.step(k), &shift = turns_[k].shift;
   out.joint = static_cast<double>(end - step) - middle;
-  out.low = step == 0 ? std::max(-middle, -k_room * h) : -k_room * h;
-  out.high = end == turns_.size() ? std::min(out.joint, k_room * h) : k_room * h;
   out.offset = box.centre() - c(at);
   out.axis = {c.first(at), 0.5 * c.second(at), c.a[3]};
   out.shift = {shift(at), shift.first(at), 0.5 * shift.second(at), shift.a[3]};
@@ -506,7 +511,11 @@ bool AxisTube::fit(size_t step, double from, double to, const Box3d& box, double
   if (!(error * most_reach_ <= tolerance + 2 * k_precision * most_reach_)) return false;
   double power = 1;
   for (size_t i = 0; i < 5; ++i, power *= h) out.turn[i] = powers[i] / power;
-  out.newton_steps = newton_steps(out, box.extent() * 0.5, h);
+  double places = h;
+  out.newton_steps = newton_steps(out, box.extent() * 0.5, places);
+  out.low = -k_room * places, out.high = k_room * places;
+  if (step == 0) out.low = std::max(out.low, -middle);
+  if (end == turns_.size()) out.high = std::min(out.high, out.joint);
   return out.newton_steps > 0;
 }
 

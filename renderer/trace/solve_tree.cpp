@@ -206,7 +206,7 @@ private:
   /// Where the ray is at s in the space of each leaf.
   void find_places(float s) const {
     Curve curves[k_tree_spaces];
-    find_curves(set(s), curves);
+    find_curves(set(s), 1, curves);
     const auto first = [](const V3& v) { return Vec3(hn::GetLane(v.x), hn::GetLane(v.y), hn::GetLane(v.z)); };
     for (size_t i = 0; i < curves_.count(); ++i) ray_.places[i] = {first(curves[i].place), first(curves[i].velocity)};
     const WarpedRay::Place line{place_ + s * segment_.direction, segment_.direction};
@@ -218,8 +218,8 @@ private:
     }
   }
 
-  /// Where the ray is at each s in all warped spaces.
-  void find_curves(V s, Curve* curves) const {
+  /// Where the ray is at each s in all warped spaces; so many of them count.
+  void find_curves(V s, size_t lanes, Curve* curves) const {
     const auto by_points = [&](size_t i) {
       alignas(64) float at[k_width];
       hn::Store(s, k_lanes, at);
@@ -229,7 +229,7 @@ private:
       return rows.curve();
     };
     const V3 direction = lanes_of(segment_.direction);
-    HWY_NAMESPACE::find_curves(tree_, {at_time(lanes_of(place_), direction, s), direction}, by_points, curves);
+    HWY_NAMESPACE::find_curves(tree_, {at_time(lanes_of(place_), direction, s), direction}, lanes, by_points, curves);
   }
 
   static V3 lanes_of(const Vec3& p) { return {set(p.x), set(p.y), set(p.z)}; }
@@ -328,7 +328,7 @@ private:
     work_.evaluations += k_stretches;
     Ranges stack[k_tree_depth + 1];
     Curve curves[k_vectors][k_tree_spaces];
-    for (size_t j = 0; j < k_vectors && curves_.count() > 0; ++j) find_curves(places.v[j], curves[j]);
+    for (size_t j = 0; j < k_vectors && curves_.count() > 0; ++j) find_curves(places.v[j], k_width, curves[j]);
     size_t depth = 0;
     for (const TreeStep& step : tree_.steps) {
       if (step.kind == TreeStep::Kind::leaves) {

@@ -119,7 +119,7 @@ private:
       }
       return rows.curve();
     };
-    HWY_NAMESPACE::find_curves(tree_, {at_time(middle_, direction_, s), direction_}, by_points, found_);
+    HWY_NAMESPACE::find_curves(tree_, {at_time(middle_, direction_, s), direction_}, hn::CountTrue(k_lanes, live_), by_points, found_);
   }
 
   /// Puts the rays into the frames of the leaves; returns upper bounds of the field on the segments.

@@ -8,6 +8,7 @@
 
 #include <hwy/contrib/math/math-inl.h>
 
+#include "field/warps/axis_work.h"
 #include "renderer/cells/tree.h"
 #include "renderer/trace/lanes-inl.h"
 
@@ -173,11 +174,21 @@ inline Curve warped(const LaneWarp& w, const LaneAxis* axes, const Curve& parent
   return {{hn::Add(p.x, set(w.shift[0])), hn::Add(p.y, set(w.shift[1])), hn::Add(p.z, set(w.shift[2]))}, times(w.back, c.velocity)};
 }
 
-/// What the line is in all spaces of a tree; by_points(i) is asked for those whose warps have no form in lanes.
+/// For statistics, of so many lanes that count.
+inline void count_inversions(const TreeView& tree, const LaneWarp& warp, size_t lanes) {
+  AxisWork& work = axis_work();
+  work.inversions += lanes, work.in_lanes += lanes, ++work.vectors;
+  for (uint32_t i = 0; i < warp.piece_count; ++i)
+    work.newton_steps += lanes * static_cast<uint64_t>(tree.axes[warp.first_piece + i].newton_steps);
+}
+
+/// What the line is in all spaces of a tree, for so many lanes that count; by_points(i) is asked for those whose warps have no form in
+/// lanes.
 template <class ByPoints>
-void find_curves(const TreeView& tree, const Curve& line, const ByPoints& by_points, Curve* curves) {
+void find_curves(const TreeView& tree, const Curve& line, size_t lanes, const ByPoints& by_points, Curve* curves) {
   for (size_t i = 0; i < tree.spaces.size(); ++i) {
     const TreeSpace& space = tree.spaces[i];
+    if (space.warp.piece_count > 0) count_inversions(tree, space.warp, lanes);
     const Curve& parent = space.base == 0 ? line : curves[space.base - 1];
     curves[i] = space.warp.form == LaneWarp::Form::none ? by_points(i) : warped(space.warp, tree.axes, parent);
   }
