@@ -121,11 +121,11 @@ template <class K>
 concept Skeleton = SolidSkeleton<K> || SignedDistance<K>;
 /// A skeleton that can be followed while it changes: `double displacement_from(other)` is how far its solid moves between
 /// two states, and any two states whose numbers are interpolated linearly between theirs (the Hausdorff distance; a bound
-/// will do; of a signed distance that of the surfaces). Others stand in a slab of time.
+/// will do; of a signed distance that of the surfaces). One without an end says so of a box: `displacement_from(other, box)`.
+/// All are: tests/motion_test.cpp.
 template <class K>
-concept MovingSkeleton = Skeleton<K> && requires(const K k) {
-  k.displacement_from(k);
-};
+concept MovingSkeleton = Skeleton<K> &&(
+    requires(const K k) { k.displacement_from(k); } || requires(const K k) { k.displacement_from(k, Box3d{}); });
 /// Becomes a union of skeletons when a frame is compiled: `Divisions divisions() const` says how finely, for its detail, and
 /// `for_each_piece(divisions, emit)` calls emit(skeleton) for as many skeletons, of the same kinds and in the same order, as any
 /// other state of it does for these divisions. They live in a space of their own if it has `Affine parent_from_pieces()`.
@@ -160,11 +160,11 @@ template <class K>
 concept TearingWarp = Warp<K> && requires(const K k, std::vector<Box3d> images) {
   { k.torn_images(Box3d{}, images) } -> std::same_as<bool>;
 };
-/// One that can be followed while it changes: `double displacement_from(other, box)` is how far apart two states, and any two
-/// interpolated between them, take a point of the box, in either direction. Others stand in a slab of time.
+/// One that can be followed while it changes: `Vec3d displacement_from(other, box, way)` is how far apart, along each coordinate, two
+/// states, and any two interpolated between them, take a point of the box. Others stand in a slab of time.
 template <class K>
 concept MovingWarp = Warp<K> && requires(const K k) {
-  k.displacement_from(k, Box3d{});
+  { k.displacement_from(k, Box3d{}, WarpWay::to_child) } -> std::same_as<Vec3d>;
 };
 
 /// How far from its solid a skeleton reaches.
@@ -174,6 +174,14 @@ double reach_of(const K& kind) {
     return kind.reach();
   else
     return kind.radius;
+}
+/// How far its solid moves between two states, and any two states interpolated between them, as far as a box sees it.
+template <MovingSkeleton K>
+double displacement(const K& a, const K& b, const Box3d& box) {
+  if constexpr (requires { a.displacement_from(b, box); })
+    return a.displacement_from(b, box);
+  else
+    return a.displacement_from(b);
 }
 /// Of the potential of a skeleton, what 1 is.
 template <Skeleton K, class T>

@@ -70,6 +70,67 @@ TEST(MovingTracer, TreesOfEverything) {
   EXPECT_GT(hits, rays / 10);
 }
 
+// No kind stands while its numbers move.
+TEST(MovingTracer, EveryKindMoves) {
+  FieldKinds::for_each([]<template <class> class Kind>() {
+    using K = Kind<SampledMode>;
+    const bool moves = (!Skeleton<K> || MovingSkeleton<K>)&&(!Warp<K> || MovingWarp<K>);
+    EXPECT_TRUE(moves || K::k_name == "axial") << K::k_name << " needs displacement_from()";
+  });
+}
+
+TEST(MovingTracer, EveryKind) {
+  const EveryKind every;
+  int hits = 0, rays = 0;
+  for (unsigned i = 0; i < 60; ++i) { // each leaf, below each warp and each operator
+    const unsigned trial = 61 * i;
+    SCOPED_TRACE(trial);
+    const MovingField field = random_moving_field(every, trial);
+    const Tally tally = judge_moving_rays(field, {1, 1}, 16, {}, [&](double time) { return reference_of(moving_field_at(field, time)); });
+    EXPECT_EQ(tally.missed, 0);
+    EXPECT_EQ(tally.false_hits, 0);
+    EXPECT_EQ(tally.disagreeing_shadows, 0);
+    hits += tally.hits, rays += 32;
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(hits, rays / 10);
+}
+
+// An axial deformation is stepped: in each slab of time it stands as it is in the middle.
+TEST(MovingTracer, AxesStandInTheMiddleOfASlab) {
+  const auto at = [](double t) {
+    SampledField field;
+    Segment<SampledMode> segment;
+    segment.from = Vec3(0, -0.6f, 0), segment.to = Vec3(0, 0.6f, 0), segment.radius = 0.3f, segment.weight = 2;
+    Axial<SampledMode> axial;
+    AxialAxis<SampledMode>& axis = axial.axes.emplace_back();
+    axis.rest = {Vec3(0, -1, 0), Vec3(0, 0, 0), Vec3(0, 1, 0)}, axis.radius = 0.8f;
+    for (const Vec3& p : axis.rest) axis.deformed.push_back(p + Vec3(float(0.4 * t), 0, 0));
+    axial.prepare();
+    axial.child = add(field, segment), add(field, axial);
+    FrameScene scene = scene_of(field);
+    scene.frame = t;
+    return scene;
+  };
+  FrameScene moving = at(0.5);
+  moving.camera.shutter = 1, moving.moment = at;
+  CellLimits limits;
+  for (const uint32_t slabs : {1u, 2u, 4u}) {
+    limits.slabs = slabs;
+    const Tracer tracer(moving, limits);
+    EXPECT_EQ(tracer.slab_count(), slabs);
+    for (int i = 0; i < 16; ++i) {
+      Ray ray;
+      ray.origin = Vec3(5, 0.1f, 0.02f), ray.direction = Vec3(-1, 0, 0), ray.time = float(i + 0.5) / 16;
+      SolveCounters counters;
+      Hit hit, still;
+      ASSERT_TRUE(tracer.intersect(ray, counters, hit));
+      ASSERT_TRUE(Tracer(at((std::floor(double(ray.time) * slabs) + 0.5) / slabs)).intersect(ray, counters, still));
+      EXPECT_NEAR(hit.t, still.t, 1e-5);
+    }
+  }
+}
+
 // A ray's answer does not depend on its packet, to the last bit, whatever the times of the others.
 TEST(MovingTracer, APacketIsNoMoreThanItsRays) {
   for (const Moves moves : {Moves::centres, Moves::everything}) {
@@ -298,6 +359,31 @@ TEST(Blur, APlaneThatRises) {
   });
 }
 
+/// A tetrahedron.
+std::shared_ptr<const SurfaceMesh> small_mesh() {
+  Diagnostics diagnostics;
+  const std::vector<Vec3d> corners{{-0.6, -0.4, -0.5}, {0.7, -0.5, -0.3}, {0, -0.4, 0.8}, {0.1, 0.9, 0}};
+  return std::make_shared<SurfaceMesh>(make_surface_mesh(corners, {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}}, 30, "test", diagnostics));
+}
+
+SampledShape mesh_shape(const std::shared_ptr<const SurfaceMesh>& surface, const Vec3& position, float angle, const Vec3& scale) {
+  TriangleMesh<SampledMode> mesh;
+  mesh.mesh = surface, mesh.position = position, mesh.angle = angle, mesh.axis = Vec3(0.2f, 1, 0.1f), mesh.scale = scale;
+  SampledShape shape;
+  shape.name = "mesh", shape.geometry = mesh;
+  return shape;
+}
+
+TEST(Blur, AMeshThatTumbles) {
+  const auto surface = small_mesh();
+  expect_blur_is_mean([&](double t) {
+    FrameScene scene = scene_of(field_of({Blob{Vec3(0.8f, 0.3f, 0), 0.7f, 2, Falloff::quartic}}));
+    scene.shapes.push_back(
+        mesh_shape(surface, Vec3(float(0.8 * t - 0.6), float(0.3 * t), 0), float(150 * t), Vec3(1, float(1 - 0.4 * t), 1)));
+    return scene;
+  });
+}
+
 // From inside a shape that comes and goes the camera sees its inside while it is there. (It comes at once: the stills' steps show.)
 TEST(Blur, TheShapeAroundTheCamera) {
   expect_blur_is_mean(
@@ -396,6 +482,19 @@ TEST(Motion, OfASegmentUnderAWarp) {
         return scene_of(field);
       },
       0, 5e-3, [&](const Vec3d& p, const Vec3d& n, double) { return n * glm::dot(n, glm::cross(axis, p) * rate); });
+}
+
+TEST(Motion, OfAMesh) {
+  const auto surface = small_mesh();
+  const Vec3d axis = glm::normalize(Vec3d(Vec3(0.2f, 1, 0.1f))), way(0.2, 0.1, 0);
+  const double rate = glm::radians(2.0);
+  expect_motion(
+      [&](double t) {
+        FrameScene scene;
+        scene.shapes.push_back(mesh_shape(surface, Vec3(way * (t - 3)), float(2 * (t - 3)), Vec3(1.5f)));
+        return scene;
+      },
+      0, 2e-2, [&](const Vec3d& p, const Vec3d&, double) { return way + glm::cross(axis, p) * rate; });
 }
 
 TEST(Motion, OfTheCamera) {

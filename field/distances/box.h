@@ -1,6 +1,7 @@
 #pragma once
 
 #include "field/distances/distance_field.h"
+#include "field/skeletons/section_solid.h"
 
 namespace kelpie {
 
@@ -49,6 +50,18 @@ smallest size is the most. With another falloff it is a soft skeleton, as `box` 
     return {Vec3d(centre) - extent, Vec3d(centre) + extent};
   }
   double inner_radius() const { return 0.5 * double(std::min({size.x, size.y, size.z})); }
+
+  /// How far the surface moves between two states, and any two states interpolated between them: the block that its edges are
+  /// rounded off from, and what rounding takes off its corners.
+  double displacement_from(const SdfBox& other) const {
+    const auto half = [](const SdfBox& box) { return 0.5 * Vec3d(box.size.x, box.size.z, box.size.y); };
+    const Vec3d thinner = glm::abs(half(*this) - half(other));
+    const double round = std::max({std::abs(double(rounding) - double(other.rounding)), thinner.x, thinner.y, thinner.z});
+    const bool is_round = rounding > 0 || other.rounding > 0;
+    return displacement_of_block(Vec3d(centre), half(*this), Vec3d(other.centre), half(other),
+                                 turn_of(Vec3d(axis), Vec3d(across), Vec3d(other.axis), Vec3d(other.across))) +
+           (is_round ? (std::sqrt(3.0) - 1) * round : 0);
+  }
 
   template <class Real>
   Real signed_distance(const Point3<Real>& p) const {

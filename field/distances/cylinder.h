@@ -1,6 +1,7 @@
 #pragma once
 
 #include "field/distances/distance_field.h"
+#include "field/skeletons/section_solid.h"
 
 namespace kelpie {
 
@@ -42,6 +43,12 @@ With another falloff it is a soft skeleton, as `cylinder` is. Source: methods.md
     return {glm::min(Vec3d(from), Vec3d(to)) - across, glm::max(Vec3d(from), Vec3d(to)) + across};
   }
   double inner_radius() const { return std::min(double(cylinder_radius), 0.5 * glm::distance(Vec3d(from), Vec3d(to))); }
+
+  /// How far the surface moves between two states, and any two states interpolated between them.
+  double displacement_from(const SdfCylinder& other) const {
+    return displacement_of_frustum(Vec3d(from), cylinder_radius, Vec3d(to), cylinder_radius, //
+                                   Vec3d(other.from), other.cylinder_radius, Vec3d(other.to), other.cylinder_radius);
+  }
 
   template <class Real>
   Real signed_distance(const Point3<Real>& p) const {

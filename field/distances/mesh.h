@@ -54,8 +54,12 @@ Sorkine-Hornung 2013, Barill et al. 2018 (winding numbers).)";
 
   Box3 support() const { return rounded_outward(grid->box()); }
   double reach() const { return radius > 0 ? std::min(double(radius), grid->band()) : grid->band(); }
+  double most_reach() const { return grid->band(); }
   /// Cells need not be much smaller.
   double feature_size() const { return 4 * grid->voxel(); }
+
+  /// The surface stands: it is warps that move it.
+  double displacement_from(const SdfMesh&) const { return 0; }
 
   double signed_distance(const Point3<double>& p) const { return grid->at(p).value; }
   Interval signed_distance(const Point3<Interval>& p) const { return grid->at(p).value; }

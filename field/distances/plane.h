@@ -39,6 +39,15 @@ take it away from that. Without a radius the field reaches 1 unit. Source: metho
   Box3d solid_box() const { return {Vec3d(-1e9), Vec3d(1e9)}; }
   double inner_radius() const { return 1; }
 
+  /// How far apart two states, and any two states interpolated between them, are where they meet a box.
+  double displacement_from(const SdfPlane& other, const Box3d& box) const {
+    const Vec3d a(point), b(other.point), e = AxisFrame{a, Vec3d(normal)}.e, f = AxisFrame{b, Vec3d(other.normal)}.e;
+    const auto reach = [&](const Vec3d& from) { return glm::length(glm::max(glm::abs(box.lower - from), glm::abs(box.upper - from))); };
+    // The opposite normal is another plane: what it turns past a right angle it turns entirely.
+    const double turn = normal == other.normal ? 0 : glm::dot(e, f) > 0 ? glm::distance(e, f) : 2;
+    return std::abs(glm::dot(b - a, e)) + turn * (glm::distance(a, b) + std::max(reach(a), reach(b)));
+  }
+
   template <class Real>
   Real signed_distance(const Point3<Real>& p) const {
     const AxisFrame frame{Vec3d(point), Vec3d(normal)};

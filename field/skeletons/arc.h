@@ -47,6 +47,14 @@ the arc d is the distance to the circle, elsewhere that to the nearer end: both 
   /// That of the whole circle.
   Box3 support() const { return frustum_support(centre, arc_radius, centre, arc_radius, radius, normal); }
 
+  /// How far the solid moves between two states, and any two states interpolated between them.
+  double displacement_from(const Arc& other) const {
+    const FrameTurn turn = turn_of(Vec3d(normal), Vec3d(towards), Vec3d(other.normal), Vec3d(other.towards));
+    const double opened = 0.5 * glm::radians(std::abs(double(angle) - double(other.angle)));
+    return glm::distance(Vec3d(centre), Vec3d(other.centre)) + std::abs(double(arc_radius) - double(other.arc_radius)) +
+           std::max(arc_radius, other.arc_radius) * std::min(2.0, turn.axis + turn.about + opened);
+  }
+
   ArcSolid solid() const {
     return {AxisFrame{Vec3d(centre), Vec3d(normal), Vec3d(towards)}, arc_radius, 0.5 * glm::radians(double(angle))};
   }

@@ -51,6 +51,13 @@ Source: methods.md section 2, skeletons.)";
     return rounded_outward({Vec3d(centre) - reach, Vec3d(centre) + reach});
   }
 
+  /// How far the solid moves between two states, and any two states interpolated between them.
+  double displacement_from(const Box& other) const {
+    const auto half = [](const Box& box) { return 0.5 * Vec3d(box.size.x, box.size.z, box.size.y); };
+    return displacement_of_block(Vec3d(centre), half(*this), Vec3d(other.centre), half(other),
+                                 turn_of(Vec3d(axis), Vec3d(across), Vec3d(other.axis), Vec3d(other.across)));
+  }
+
   SectionSolid solid() const {
     const Vec3d half = 0.5 * Vec3d(size);
     return SectionSolid::extruded({Vec3d(centre), Vec3d(axis), Vec3d(across)}, half.y).with_rectangle(-half.x, half.x, half.z);

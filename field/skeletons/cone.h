@@ -42,6 +42,12 @@ With round ends it is a `cone_sphere`. Source: methods.md section 2, skeletons.)
 
   Box3 support() const { return frustum_support(from, from_radius, to, to_radius, radius); }
 
+  /// How far the solid moves between two states, and any two states interpolated between them.
+  double displacement_from(const Cone& other) const {
+    return displacement_of_frustum(Vec3d(from), from_radius, Vec3d(to), to_radius, //
+                                   Vec3d(other.from), other.from_radius, Vec3d(other.to), other.to_radius);
+  }
+
   SectionSolid solid() const {
     const Vec3d axis = Vec3d(to) - Vec3d(from);
     const double a = from_radius, b = to_radius, length = glm::length(axis);

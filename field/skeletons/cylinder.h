@@ -43,6 +43,12 @@ it is a `cone_sphere` of equal radii. Source: methods.md section 2, skeletons.)"
 
   Box3 support() const { return frustum_support(from, cylinder_radius, to, cylinder_radius, radius); }
 
+  /// How far the solid moves between two states, and any two states interpolated between them.
+  double displacement_from(const Cylinder& other) const {
+    return displacement_of_frustum(Vec3d(from), cylinder_radius, Vec3d(to), cylinder_radius, //
+                                   Vec3d(other.from), other.cylinder_radius, Vec3d(other.to), other.cylinder_radius);
+  }
+
   SectionSolid solid() const {
     const Vec3d axis = Vec3d(to) - Vec3d(from);
     const double r = cylinder_radius;

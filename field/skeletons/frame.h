@@ -60,6 +60,30 @@ inline double tilt(const Vec3d& a, const Vec3d& b) {
   return glm::dot(e, f) >= 0 ? glm::distance(e, f) : std::sqrt(2.0);
 }
 
+/// How far a frame with axis and across turns on its way from one state to another, or between any two states whose vectors are
+/// interpolated between theirs, in radii: a point at a distance r from its origin moves by at most r * axis, and by as much as its
+/// distance from the axis * about more. No point moves by more than 2 r.
+struct FrameTurn {
+  double axis, about;
+};
+inline FrameTurn turn_of(const Vec3d& axis, const Vec3d& across, const Vec3d& other_axis, const Vec3d& other_across) {
+  constexpr FrameTurn k_any{2, 0};
+  if (axis == other_axis && across == other_across) return {0, 0};
+  const auto angle = [](const Vec3d& a, const Vec3d& b) { // between unit vectors; none is interpolated to 0 below a right angle
+    return glm::dot(a, b) > 0 ? 2 * std::asin(std::min(1.0, 0.5 * glm::distance(a, b))) : INFINITY;
+  };
+  const double squared = glm::dot(across, across), other_squared = glm::dot(other_across, other_across);
+  if (!(squared > 0 && other_squared > 0)) return k_any;
+  const Vec3d e = AxisFrame{Vec3d(0), axis}.e, f = AxisFrame{Vec3d(0), other_axis}.e;
+  const Vec3d w = across / std::sqrt(squared), x = other_across / std::sqrt(other_squared);
+  const double tilted = angle(e, f), swung = angle(w, x), along = std::abs(glm::dot(e, w));
+  // What of `across` is perpendicular to the axis is never shorter than this, and changes its direction about the axis by what
+  // either vector turns, over its length.
+  const double least = std::sqrt(std::max(0.0, 1 - along * along)) - tilted - swung;
+  if (!(least > 0.01)) return k_any;
+  return {std::min(2.0, tilted), std::min(2.0, (swung + tilted * std::min(1.0, along + tilted + swung)) / least)};
+}
+
 /// In float, with nothing of the box lost to rounding.
 inline Box3 rounded_outward(const Box3d& b) {
   const Vec3d size = glm::max(glm::abs(b.lower), glm::abs(b.upper));

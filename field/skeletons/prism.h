@@ -44,6 +44,14 @@ Source: methods.md section 2, skeletons (surface patches).)";
 
   Box3 support() const { return TrianglePlane(a, b, c).support(0.5 * double(thickness), radius); }
 
+  /// How far the solid moves between two states, and any two states interpolated between them.
+  double displacement_from(const Prism& other) const {
+    const std::array<Vec3d, 3> p{a, b, c}, q{other.a, other.b, other.c};
+    const double corners = std::max({glm::distance(p[0], q[0]), glm::distance(p[1], q[1]), glm::distance(p[2], q[2])});
+    return corners + 0.5 * std::abs(double(thickness) - double(other.thickness)) +
+           0.5 * double(std::max(thickness, other.thickness)) * TrianglePlane::turn(p, q);
+  }
+
   SectionSolid solid() const {
     const TrianglePlane plane(a, b, c);
     return SectionSolid::extruded(plane.frame, 0.5 * double(thickness)).with_polygon(plane.triangle);

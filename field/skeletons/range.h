@@ -51,11 +51,12 @@ inline bool reaches(const Box3& support, double pad, const Box3d& box) {
 template <SignedDistance Kind>
 Interval moving_potential_range(const Kind& a, const Kind& b, const Box3d& box) {
   const Kind middle = interpolated(a, b, 0.5);
-  const double moved = std::max(middle.displacement_from(a), middle.displacement_from(b));
+  const double moved = std::max(displacement(middle, a, box), displacement(middle, b, box));
   const Interval d = distance_range(middle, BoxPoint(box)) + Interval{-moved, moved};
   // Where a radius is 0 the solid's own counts, which is linear in its numbers.
   Interval reach = hull(a.reach(), b.reach());
   if (a.radius != b.radius) reach = hull(reach, hull(std::max(1e-6f, a.radius), std::max(1e-6f, b.radius)));
+  if constexpr (requires { a.most_reach(); }) reach.hi = std::min(reach.hi, a.most_reach());
   return middle.falloff_at(d / reach) * hull(double(a.weight), double(b.weight));
 }
 
@@ -64,7 +65,7 @@ Interval moving_potential_range(const Kind& a, const Kind& b, const Box3d& box) 
 template <class Kind>
 Interval moving_potential_range(const Kind& a, const Kind& b, const Box3d& box) {
   Kind least = interpolated(a, b, 0.5), most = least;
-  const double moved = std::max(least.displacement_from(a), least.displacement_from(b));
+  const double moved = std::max(displacement(least, a, box), displacement(least, b, box));
   least.radius = std::min(a.radius, b.radius), most.radius = std::max(a.radius, b.radius);
   least.weight = most.weight = 1;
   if (!reaches(most.support(), moved, box)) return 0.0;

@@ -48,6 +48,13 @@ Source: methods.md section 2, skeletons.)";
     return rounded_outward({Vec3d(centre) - reach, Vec3d(centre) + reach});
   }
 
+  /// How far the solid moves between two states, and any two states interpolated between them.
+  double displacement_from(const Rectangle& other) const {
+    const auto half = [](const Rectangle& r) { return 0.5 * Vec3d(r.width, r.height, 0); };
+    return displacement_of_block(Vec3d(centre), half(*this), Vec3d(other.centre), half(other),
+                                 turn_of(Vec3d(normal), Vec3d(across), Vec3d(other.normal), Vec3d(other.across)));
+  }
+
   SectionSolid solid() const {
     const double x = 0.5 * double(width), y = 0.5 * double(height);
     return SectionSolid::extruded({Vec3d(centre), Vec3d(normal), Vec3d(across)}, 0).with_rectangle(-x, x, y);

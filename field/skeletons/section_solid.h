@@ -86,4 +86,23 @@ inline Box3 frustum_support(const Vec3& from, double from_radius, const Vec3& to
   return rounded_outward(box);
 }
 
+// How far solids move between two states, and any two states interpolated between them (MovingSkeleton in field/kinds.h).
+
+/// The convex hull of two discs across their common axis.
+inline double displacement_of_frustum(const Vec3d& from, double from_radius, const Vec3d& to, double to_radius, //
+                                      const Vec3d& other_from, double other_from_radius, const Vec3d& other_to, double other_to_radius) {
+  const double ends = std::max(glm::distance(from, other_from) + std::abs(from_radius - other_from_radius),
+                               glm::distance(to, other_to) + std::abs(to_radius - other_to_radius));
+  const double widest = std::max({from_radius, to_radius, other_from_radius, other_to_radius});
+  return ends + (widest > 0 ? widest * tilt(to - from, other_to - other_from) : 0);
+}
+
+/// A block; half its edges along u, v and the axis of its frame.
+inline double displacement_of_block(const Vec3d& centre, const Vec3d& half, const Vec3d& other_centre, const Vec3d& other_half,
+                                    const FrameTurn& turn) {
+  const Vec3d most = glm::max(half, other_half);
+  const double corner = glm::length(most), turned = turn.axis * corner + turn.about * norm(most.x, most.y);
+  return glm::distance(centre, other_centre) + glm::distance(half, other_half) + std::min(2 * corner, turned);
+}
+
 } // namespace kelpie

@@ -87,7 +87,7 @@ axis has left, nothing remains. So let tubes be wide enough for the whole limb, 
 A tube is cut before space would fold in it: where either axis bends, to nine tenths of its radius of curvature, and where it comes near
 itself, so that every point has one nearest place. `kelpie check` and `render` warn of it.
 
-While the shutter is open it stands still in each slab of time.
+While the shutter is open it is stepped: what it deforms is seen at up to 32 moments of the shutter, not in between.
 Source: Chow, Hui 2008, "Axial deformation with controllable local coordinate frames"; methods.md section 4.)";
 
   std::vector<AxialAxis<Mode>> axes;

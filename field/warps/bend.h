@@ -5,6 +5,7 @@
 
 #include "base/box.h"
 #include "field/skeletons/frame.h"
+#include "field/warps/warp_way.h"
 
 namespace kelpie {
 
@@ -135,6 +136,53 @@ Source: Barr 1984, "Global and local deformations of solid primitives"; methods.
     return {Vec3d(r.x.lo, r.y.lo, r.z.lo), Vec3d(r.x.hi, r.y.hi, r.z.hi)};
   }
 
+  /// How far apart two states, and any two states interpolated between them, take a point of a box. In the frame's coordinates, with
+  /// t = angle * clamp(z / length, 0, 1) signed: a child's point (x, y, z) goes to c(z) + x n(t), c the integral of the unit vector at
+  /// t, so when t changes by dt it moves by no more than dt (max(0, z) + |x|). A place that stays comes from a child's point that moves
+  /// as far, but along the line by 1 / (k d) as far within the arc, d the distance from the bend axis. Across the cut the child's
+  /// x is the same, z is any.
+  Vec3d displacement_from(const Bend& other, const Box3d& box, WarpWay way) const {
+    const AxisFrame a{Vec3d(centre), Vec3d(axis), Vec3d(towards)}, b{Vec3d(other.centre), Vec3d(other.axis), Vec3d(other.towards)};
+    const FrameTurn frame_turn = turn_of(Vec3d(axis), Vec3d(towards), Vec3d(other.axis), Vec3d(other.towards));
+    const double turn = std::min(2.0, frame_turn.axis + frame_turn.about), shift = glm::distance(a.origin, b.origin);
+    double reach = 0;
+    for (const Vec3d& from : {a.origin, b.origin})
+      reach = std::max(reach, glm::length(glm::max(glm::abs(box.lower - from), glm::abs(box.upper - from))));
+    const Point3<Interval> in_box{{box.lower.x, box.upper.x}, {box.lower.y, box.upper.y}, {box.lower.z, box.upper.z}};
+    const double slid = shift + turn * reach; // how far coordinates in the frame change
+    const Point3<Interval> p = a.local(in_box);
+    const Interval x = p.x + Interval{-slid, slid}, z = p.z + Interval{-slid, slid};
+
+    const Interval angles = hull(glm::radians(double(angle)), glm::radians(double(other.angle)));
+    const double shortest = std::min(length, other.length), longest = std::max(length, other.length), most_angle = angles.magnitude();
+    const double opened = angles.width() + most_angle * (longest - shortest) / shortest; // how much t changes where z >= length
+    const auto part = [&](double to) { return std::min(1.0, std::max(0.0, to) / shortest); };
+    if (way == WarpWay::to_parent) {
+      const double top = part(z.hi), far = std::max(0.0, z.hi) + x.magnitude(), stretch = most_angle / shortest * x.magnitude();
+      const double bent = std::min(2.0, most_angle * top);
+      return Vec3d(opened * top * far + bent * turn * far + (bent + stretch) * slid);
+    }
+
+    // Of any state, the bend axis is at (1, 0) and the cut goes from there to the left, turned by half of the angle.
+    const Interval k = hull(glm::radians(double(angle)) / double(length), glm::radians(double(other.angle)) / double(other.length)),
+                   one(1.0);
+    const Interval from_axis = one - k * x, along = k * z, c = cos(0.5 * angles), s = sin(0.5 * angles);
+    const bool is_cut = (c * from_axis + s * along).lo <= 0 && (c * along - s * from_axis).contains(0);
+    const double least = std::min(1.0, norm(from_axis, along).lo), everywhere = 2 * (reach + 2 * longest);
+
+    const Point3<Interval> q = a.local(child_from_parent(in_box));
+    double far = 3 * longest + 2 * reach, top = 1; // the farthest max(0, z) + |x| of any state, and the part of the angle there
+    Vec3d moved(0);
+    for (int i = 0; i < 2; ++i) { // what is known of this state limits the others
+      moved.x = opened * top * far + 2 * slid;
+      moved.z = is_cut || !(least > 0) ? everywhere : std::min(everywhere, opened * top * far / least + (1 + 1 / least) * slid);
+      far = std::min(far, std::max(0.0, q.z.hi) + moved.z + q.x.magnitude() + moved.x), top = part(q.z.hi + moved.z);
+    }
+    moved.y = 0;
+    moved += turn * (reach + far + glm::length(moved));
+    return glm::abs(a.u) * moved.x + glm::abs(a.v) * moved.y + glm::abs(a.e) * moved.z;
+  }
+
   /// In the frame: x towards the bend axis, z along the line.
   struct Arc {
     AxisFrame frame;
@@ -144,8 +192,8 @@ Source: Barr 1984, "Global and local deformations of solid primitives"; methods.
 
     explicit Arc(const Bend& b)
         : frame(Vec3d(b.centre), Vec3d(b.axis), b.angle < 0 ? -Vec3d(b.towards) : Vec3d(b.towards)),
-          end(glm::radians(std::abs(double(b.angle)))), curvature(end / double(b.length)), cut(0.5 * end - std::numbers::pi), c(std::cos(end)), s(std::sin(end)),
-          x((1 - c) / curvature), z((end - s) / curvature) {}
+          end(glm::radians(std::abs(double(b.angle)))), curvature(end / double(b.length)), cut(0.5 * end - std::numbers::pi),
+          c(std::cos(end)), s(std::sin(end)), x((1 - c) / curvature), z((end - s) / curvature) {}
 
     /// Below this angle rounding would move points by more than the bend does: both are about 1e-8 of the length.
     bool is_straight() const { return end < 1e-8; }

@@ -2,6 +2,7 @@
 
 #include "base/box.h"
 #include "field/skeletons/frame.h"
+#include "field/warps/warp_way.h"
 
 namespace kelpie {
 
@@ -53,6 +54,26 @@ Source: Barr 1984, "Global and local deformations of solid primitives"; methods.
     const Point3<Interval> r =
         parent_from_child(Point3<Interval>{{box.lower.x, box.upper.x}, {box.lower.y, box.upper.y}, {box.lower.z, box.upper.z}});
     return {Vec3d(r.x.lo, r.y.lo, r.z.lo), Vec3d(r.x.hi, r.y.hi, r.z.hi)};
+  }
+
+  /// How far apart two states, and any two states interpolated between them, take a point of a box.
+  Vec3d displacement_from(const Taper& other, const Box3d& box, WarpWay way) const {
+    const AxisFrame a{Vec3d(centre), Vec3d(axis)}, b{Vec3d(other.centre), Vec3d(other.axis)};
+    double reach = 0; // from any centre on the way to any point
+    for (const Vec3d& from : {a.origin, b.origin})
+      reach = std::max(reach, glm::length(glm::max(glm::abs(box.lower - from), glm::abs(box.upper - from))));
+    const double shift = glm::distance(a.origin, b.origin), turn = glm::dot(a.e, b.e) > 0 ? glm::distance(a.e, b.e) : 2;
+    // With h / length clamped to [0, 1]: the farthest that it is from 0, and by how much it changes at a point.
+    const double shortest = std::min(length, other.length), top = std::min(1.0, reach / shortest);
+    const double rise = std::min(1.0, (shift + turn * reach) / shortest + top * std::abs(double(length) - double(other.length)) / shortest);
+    const double farthest = std::max(std::abs(double(by) - 1), std::abs(double(other.by) - 1));
+    double change = rise * farthest + top * std::abs(double(by) - double(other.by)), strength = top * farthest;
+    if (way == WarpWay::to_child) { // of 1 / s
+      const double least = std::min({1.0, double(by), double(other.by)});
+      change /= square(least), strength /= least;
+    }
+    // What lies across the axis is no longer than `reach`, and turns with the axis.
+    return Vec3d(change * reach + strength * (shift + std::min(1.0, turn) * reach));
   }
 
 private:

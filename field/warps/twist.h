@@ -2,6 +2,7 @@
 
 #include "base/box.h"
 #include "field/skeletons/frame.h"
+#include "field/warps/warp_way.h"
 
 namespace kelpie {
 
@@ -58,9 +59,9 @@ from it: at distance r by up to (k r + sqrt(k^2 r^2 + 4)) / 2, k the rate in rad
     return image;
   }
 
-  /// How far apart two states, and any two states interpolated between them, take a point of a box, in either direction:
+  /// How far apart two states, and any two states interpolated between them, take a point of a box, the same either way:
   /// the parts of centre, axis, rate and length one after the other.
-  double displacement_from(const Twist& other, const Box3d& box) const {
+  Vec3d displacement_from(const Twist& other, const Box3d& box, WarpWay) const {
     const AxisFrame a{Vec3d(centre), Vec3d(axis)}, b{Vec3d(other.centre), Vec3d(other.axis)};
     double reach = 0; // from any centre on the way to any point
     for (const Vec3d& from : {a.origin, b.origin})
@@ -75,7 +76,7 @@ from it: at distance r by up to (k r + sqrt(k^2 r^2 + 4)) / 2, k the rate in rad
     angle += most_rate * (limit_jumps ? reach : std::abs(double(length) - double(other.length)));
     // Turning about another axis, or another centre, by the same angle.
     const double most_angle = std::min(2.0, most_rate * most_height);
-    return std::min(2 * reach + shift, reach * (angle + 2 * most_angle * turn) + most_angle * shift);
+    return Vec3d(std::min(2 * reach + shift, reach * (angle + 2 * most_angle * turn) + most_angle * shift));
   }
 
 private:

@@ -53,7 +53,8 @@ public:
 private:
   /// Whether rays are nearly lines in the spaces of a cell; below a part of a radius it matters less.
   bool is_calm(const Box3d& box, const Code& code, double side, double radius) const {
-    if (side <= k_torn_side * radius) return true;
+    // Of what moves nobody knows where it is torn.
+    if (side <= (program_.motion ? k_calm_side : k_torn_side) * radius) return true;
     const double most = side <= k_calm_side * radius ? k_most_drift : k_most_turning;
     uint32_t last = 0;
     for (const Instruction& step : code.steps) {

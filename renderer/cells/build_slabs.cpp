@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "renderer/cells/cells.h"
 
@@ -31,10 +33,12 @@ Slab make_slab(const CompileAt& compile_at, std::span<const double> breaks, uint
   std::sort(times.begin(), times.end());
   times.push_back(end);
   std::vector<FieldProgram> programs = compile_at(times);
+  const auto is_nearer = [&](double a, double b) { return std::abs(2 * a - start - end) < std::abs(2 * b - start - end); };
+  FieldProgram& middle = programs[size_t(std::min_element(times.begin(), times.end(), is_nearer) - times.begin())];
   Slab slab{std::move(programs.front())};
   slab.moved = difference(slab.program, programs.back()).place;
-  if (!set_in_motion(slab.program, std::move(programs.back()))) { // turns too fast to interpolate
-    slab.program = std::move(programs[2]);
+  if (!set_in_motion(slab.program, std::move(programs.back()), &middle.field)) { // turns too fast to interpolate
+    slab.program = std::move(middle);
     slab.is_fine = false;
     return slab;
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,8 +11,14 @@
 
 namespace kelpie {
 
-/// What a triangle takes in Embree and beside it, about.
-inline constexpr size_t k_tree_bytes_per_triangle = 120;
+/// A mesh and the shape that it is; its places at equal steps of the open shutter, one where it stands.
+struct MovingMesh {
+  uint32_t shape;
+  std::vector<TriangleMesh<SampledMode>> states;
+};
+
+/// What meshes take in Embree and beside it, about, in bytes.
+size_t estimated_bytes(const MovingMesh&);
 
 struct MeshHit {
   float t = 0;
@@ -23,12 +30,13 @@ struct MeshHit {
   float epsilon = 0;       ///< of secondary rays, but for what rounding asks for
 };
 
+/// What moves goes straight from step to step, of as many as it takes to follow the states.
 /// Rays are traced one by one: an answer then depends on nothing but the ray. (In packets Embree may go through other
 /// triangles first, and take the other one where two meet.)
 class MeshScene {
 public:
-  /// Takes meshes and the shapes that they are. Throws std::bad_alloc when Embree runs out of memory.
-  explicit MeshScene(std::span<const std::pair<uint32_t, TriangleMesh<SampledMode>>>);
+  /// Throws std::bad_alloc when Embree runs out of memory.
+  explicit MeshScene(std::span<const MovingMesh>);
   ~MeshScene();
 
   bool is_empty() const { return meshes_.empty(); }
@@ -36,13 +44,15 @@ public:
   bool intersect(const Ray&, MeshHit&) const;
   bool occluded(const Ray&) const;
   /// Whether it is made of these meshes in these places.
-  bool is_of(std::span<const std::pair<uint32_t, TriangleMesh<SampledMode>>>) const;
-  /// Bytes of Embree's own structures and of the meshes in the world.
+  bool is_of(std::span<const MovingMesh>) const;
+  /// How far a point of a shape moves at a time, per exposure; nothing of what is no mesh.
+  std::optional<Vec3> velocity(uint32_t shape, const Vec3& position, float time) const;
+  /// Bytes of Embree's own structures.
   size_t bytes() const;
 
 private:
   struct Placed;
-  void add(uint32_t shape, const TriangleMesh<SampledMode>&);
+  void add(const MovingMesh&);
   struct State;
   std::unique_ptr<State> state_; ///< null while there is no mesh
   std::vector<Placed> meshes_;   ///< by Embree's geometry

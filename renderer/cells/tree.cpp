@@ -219,7 +219,7 @@ private:
     add_parts(hull_faces(solid.points), place, out_, leaf);
     return true;
   }
-  /// Finding the faces of many points takes long, and such hulls do not move.
+  /// Finding the faces of many points takes long: they are those that were found for a hull that stands.
   bool add_solid(uint32_t node, const HullSolid<std::span<const Vec3>>&, const SolidPlace& place, SolidLeaf& leaf) {
     const auto found = program_.hulls.find(node);
     if (found == program_.hulls.end()) return false;

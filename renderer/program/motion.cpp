@@ -1,6 +1,7 @@
 #include "renderer/program/motion.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "field/motion.h"
@@ -39,25 +40,23 @@ bool is_same(const BlobArrays& a, const BlobArrays& b) {
   return a.x == b.x && a.y == b.y && a.z == b.z && a.k == b.k && a.a == b.a && a.b == b.b;
 }
 
-/// What cannot say how far it moves stands in the middle of its way.
-void hold_unbounded(FieldProgram& start, FieldProgram& end) {
+/// What cannot say how far it moves stands as it is in the middle.
+void hold_unbounded(FieldProgram& start, FieldProgram& end, const SampledField& middle) {
   for (size_t i = 0; i < start.field.nodes.size(); ++i)
     std::visit(
-        [&](auto& a) {
-          using K = std::decay_t<decltype(a)>;
-          if constexpr ((Warp<K> && !MovingWarp<K>) || (Skeleton<K> && !MovingSkeleton<K>)) {
-            K& b = std::get<K>(end.field.nodes[i]);
-            a = interpolated(a, b, 0.5);
-            b = a;
-          }
+        [&]<class K>(const K&) {
+          if constexpr (Warp<K> && !MovingWarp<K>) start.field.nodes[i] = end.field.nodes[i] = middle.nodes[i];
         },
-        start.field.nodes[i]);
+        middle.nodes[i]);
 }
 
 } // namespace
 
-bool set_in_motion(FieldProgram& start, FieldProgram end) {
-  hold_unbounded(start, end);
+bool set_in_motion(FieldProgram& start, FieldProgram end, const SampledField* held) {
+  if (held) {
+    hold_unbounded(start, end, *held);
+    find_support(start, nullptr, start.support); // what is held may reach elsewhere
+  }
   auto motion = std::make_shared<Motion>();
   bool moves = start.threshold != end.threshold || !is_same(start.blobs, end.blobs);
   for (size_t i = 0; i < start.field.nodes.size(); ++i) {
@@ -78,6 +77,8 @@ bool set_in_motion(FieldProgram& start, FieldProgram end) {
   motion->blobs_change = s.k != e.k || s.a != e.a || s.b != e.b || s.radius != e.radius;
   motion->end = std::move(end);
   if (!find_support(start, motion.get(), start.support)) return false;
+  for (uint32_t i = 0; i < motion->nodes.size(); ++i)
+    if (motion->nodes[i]) start.hulls.erase(i); // faces are those of one moment
   start.motion = std::move(motion);
   return true;
 }
@@ -125,9 +126,9 @@ Box3d image_in_space(const FieldProgram& program, uint32_t index, const Box3d& w
         if constexpr (Warp<K>) {
           const Point3<Interval> q = middle.child_from_parent(
               Point3<Interval>{{box.lower.x, box.upper.x}, {box.lower.y, box.upper.y}, {box.lower.z, box.upper.z}});
-          const double pad =
-              displacement(middle, std::get<K>(program.field.nodes[a.warp]), std::get<K>(motion.end.field.nodes[a.warp]), box);
-          return Box3d{{q.x.lo, q.y.lo, q.z.lo}, {q.x.hi, q.y.hi, q.z.hi}}.padded(pad);
+          return grown({{q.x.lo, q.y.lo, q.z.lo}, {q.x.hi, q.y.hi, q.z.hi}},
+                       displacement(middle, std::get<K>(program.field.nodes[a.warp]), std::get<K>(motion.end.field.nodes[a.warp]), box,
+                                    WarpWay::to_child));
         }
         return box;
       },
@@ -184,13 +185,12 @@ private:
   void compare(const Instruction& step, const Kind& p, const Kind& q) {
     if constexpr (Skeleton<Kind>) {
       const double radius = std::min(reach_of(p), reach_of(q));
-      if constexpr (MovingSkeleton<Kind>)
-        places_.push_back(p.displacement_from(q) / radius);
-      else
-        most_ = std::max(most_, is_same(p, q) ? 0.0 : 1.0);
-      rest(reach_of(p), reach_of(q)), rest(p.weight, q.weight);
       const Box3 support = p.support();
-      compare_spaces(step.space, {Vec3d(support.lower), Vec3d(support.upper)}, radius);
+      Box3d box{Vec3d(support.lower), Vec3d(support.upper)};
+      if constexpr (requires { Kind::k_is_unbounded; }) box = seen_from(step.space);
+      places_.push_back(displacement(p, q, box) / radius);
+      rest(reach_of(p), reach_of(q)), rest(p.weight, q.weight);
+      compare_spaces(step.space, box, radius);
     } else {
       for_each_number<Kind>([&](const auto& row) {
         const auto x = p.*(row.member), y = q.*(row.member);
@@ -202,12 +202,25 @@ private:
   /// Where the same points of the world are in a space: the corners of a box and its centre.
   void compare_spaces(uint32_t space, const Box3d& box, double radius) {
     if (space == 0) return;
-    for (int corner = 0; corner < 9; ++corner) {
-      Vec3d p = box.centre();
-      for (int i = 0; i < 3 && corner < 8; ++i) p[i] = corner >> i & 1 ? box.upper[i] : box.lower[i];
+    for (const Vec3d& p : places_in(box)) {
       const Vec3d world = in_world(a_, space, p);
       places_.push_back(glm::distance(in_space(a_, space, world), in_space(b_, space, world)) / radius);
     }
+  }
+
+  static std::array<Vec3d, 9> places_in(const Box3d& box) {
+    std::array<Vec3d, 9> places;
+    places.fill(box.centre());
+    for (int corner = 0; corner < 8; ++corner)
+      for (int i = 0; i < 3; ++i) places[size_t(corner)][i] = corner >> i & 1 ? box.upper[i] : box.lower[i];
+    return places;
+  }
+
+  /// About where the whole field is, in a space.
+  Box3d seen_from(uint32_t space) const {
+    Box3d box;
+    for (const Vec3d& p : places_in(a_.support)) box.extend(in_space(a_, space, p));
+    return box;
   }
 
   static Vec3d in_world(const FieldProgram& program, uint32_t space, Vec3d p) {

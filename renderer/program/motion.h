@@ -19,9 +19,10 @@ struct Motion {
   mutable tbb::enumerable_thread_specific<FieldProgram> now; ///< what at() returns
 };
 
-/// Sets `start` in motion towards `end`, compiled together with it; where nothing moves it stays as it is. False, and it
-/// stays too, if spaces turn or shrink so much that not all interpolated maps can be inverted.
-bool set_in_motion(FieldProgram& start, FieldProgram end);
+/// Sets `start` in motion towards `end`, compiled together with it; where nothing moves it stays as it is. Warps that are no
+/// MovingWarp stand as `held` has them, a moment compiled with both. False, and it stays too, if spaces turn or shrink so much that
+/// not all interpolated maps can be inverted.
+bool set_in_motion(FieldProgram& start, FieldProgram end, const SampledField* held = nullptr);
 
 /// The program at time u. Of its blobs, nodes and spaces only those that the code needs are good, and only until this thread
 /// calls again for the same program.
@@ -36,11 +37,12 @@ inline Affine interpolate(const Affine& a, const Affine& b, double u) {
 
 /// How far a moving warp may take points of a box from where its middle state takes them.
 template <class Kind>
-double displacement(const Kind& middle, const Kind& a, const Kind& b, const Box3d& box) {
+Vec3d displacement(const Kind& middle, const Kind& a, const Kind& b, const Box3d& box, WarpWay way) {
   if constexpr (MovingWarp<Kind>)
-    if (!is_same(a, b)) return std::max(middle.displacement_from(a, box), middle.displacement_from(b, box));
-  return 0;
+    if (!is_same(a, b)) return glm::max(middle.displacement_from(a, box, way), middle.displacement_from(b, box, way));
+  return Vec3d(0);
 }
+inline Box3d grown(const Box3d& box, const Vec3d& by) { return {box.lower - by, box.upper + by}; }
 
 inline Interval threshold_range(const FieldProgram& p) {
   return p.motion ? hull(p.threshold, p.motion->end.threshold) : Interval{p.threshold};

@@ -62,7 +62,7 @@ struct FieldProgram {
   BlobArrays blobs;
   std::vector<Space> spaces;                                 ///< parents before children; the first is the world
   Code code;                                                 ///< everything, not pruned
-  std::unordered_map<uint32_t, std::vector<HullFace>> hulls; ///< of the nodes that are polyhedra of up to k_most_hull_points
+  std::unordered_map<uint32_t, std::vector<HullFace>> hulls; ///< of nodes that are polyhedra of few points, and stand
   Box3d support;                                             ///< the field is at most 0 outside
   std::shared_ptr<const Motion> motion;                      ///< how all this changes over a slab of time (motion.h); null: it does not
 

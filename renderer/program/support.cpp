@@ -56,7 +56,7 @@ private:
           if constexpr (Skeleton<K>) {
             const Box3 support = a.support();
             Box3d box{Vec3d(support.lower), Vec3d(support.upper)};
-            if constexpr (MovingSkeleton<K>) {
+            if constexpr (requires(const K& b) { a.displacement_from(b); }) { // others have no end
               const K& b = std::get<K>(end_.field.nodes[step.node]);
               box = box.padded(a.displacement_from(b) + std::abs(reach_of(a) - reach_of(b)));
             }
@@ -91,8 +91,8 @@ private:
             [&](const auto& middle) {
               using K = std::decay_t<decltype(middle)>;
               if constexpr (Warp<K>)
-                box = middle.image_of(box).padded(
-                    displacement(middle, std::get<K>(program_.field.nodes[a.warp]), std::get<K>(end_.field.nodes[a.warp]), box));
+                box = grown(middle.image_of(box), displacement(middle, std::get<K>(program_.field.nodes[a.warp]),
+                                                               std::get<K>(end_.field.nodes[a.warp]), box, WarpWay::to_parent));
             },
             middle_.nodes[a.warp]);
       if (!preimage(a.local_from_parent, b.local_from_parent, box)) return false;

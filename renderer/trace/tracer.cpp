@@ -120,13 +120,23 @@ std::shared_ptr<const CellScene> build_cell_scene(const FrameScene& frame, const
 }
 
 std::shared_ptr<const MeshScene> build_mesh_scene(const FrameScene& frame, const CellLimits& limits, KeptScenes& kept) {
-  std::vector<std::pair<uint32_t, TriangleMesh<SampledMode>>> meshes;
+  std::vector<MovingMesh> meshes;
+  const auto place = [&](uint32_t shape, const FrameScene& at) { return std::get<TriangleMesh<SampledMode>>(*at.shapes[shape].geometry); };
   for (uint32_t i = 0; i < frame.shapes.size(); ++i)
-    if (const auto& geometry = frame.shapes[i].geometry)
-      if (const auto* mesh = std::get_if<TriangleMesh<SampledMode>>(&*geometry)) {
-        meshes.emplace_back(i, *mesh);
-        if (limits.budget) limits.budget->take(mesh->mesh->triangles.size() * k_tree_bytes_per_triangle);
-      }
+    if (const auto& geometry = frame.shapes[i].geometry; geometry && std::holds_alternative<TriangleMesh<SampledMode>>(*geometry))
+      meshes.push_back({i, {place(i, frame)}});
+  if (const Exposure exposure = frame.exposure(); exposure.length > 0 && !meshes.empty()) {
+    for (MovingMesh& mesh : meshes) mesh.states.clear();
+    for (int i = 0; i < k_states; ++i) { // all meshes together: a moment of a scene may take a while
+      const FrameScene at = frame.moment(exposure.frame_at(double(i) / (k_states - 1)));
+      for (MovingMesh& mesh : meshes) mesh.states.push_back(place(mesh.shape, at));
+    }
+  }
+  for (MovingMesh& mesh : meshes) {
+    const auto stands = [&](const TriangleMesh<SampledMode>& state) { return is_same(state, mesh.states[0]); };
+    if (std::all_of(mesh.states.begin(), mesh.states.end(), stands)) mesh.states.resize(1);
+    if (limits.budget) limits.budget->take(estimated_bytes(mesh));
+  }
   if (!kept.meshes || !kept.meshes->is_of(meshes)) {
     kept.meshes.reset();
     kept.meshes = std::make_shared<const MeshScene>(meshes);
@@ -271,8 +281,8 @@ Vec3 Tracer::velocity(const Hit& hit, float time) const {
     const float before = std::max(time - k_step, 0.f), after = std::min(time + k_step, 1.f);
     return -(height(after) - height(before)) / (after - before) * per_frame * hit.normal;
   }
+  if (const std::optional<Vec3> of_mesh = meshes_->velocity(hit.shape, hit.position, time)) return *of_mesh * per_frame;
   const ShapeCells& shape = cells_->shape(hit.shape, time);
-  if (shape.cells.empty()) return Vec3(0); // a mesh: it stands
   const Cell& cell = shape.cells[hit.cell];
   const Vec3 g = cell_gradient(shape, cell, hit.position, time);
   const double rate = cell_rate(shape, cell, hit.position, time);

@@ -84,7 +84,8 @@ public:
   uint32_t occluded(std::span<const Ray>, SolveCounters&) const;
 
   /// The velocity of the surface where a ray of this time hit it, along its normal: -F_t grad F / |grad F|^2 with F the field
-  /// minus the threshold. Scene units a frame. (Of what slides within the surface a field knows nothing.)
+  /// minus the threshold. Scene units a frame. (Of what slides within the surface a field knows nothing; a mesh does, and has
+  /// all of its velocity.)
   Vec3 velocity(const Hit&, float time) const;
 
   /// The most slabs of time that any shape has, each of the same length: a packet's rays had better share a slab.

@@ -1,6 +1,7 @@
 // Fields that move, and rays through them at random times, judged by the reference at the rays' times.
 #pragma once
 
+#include "tests/support/every_kind.h"
 #include "tests/support/judge_rays.h"
 
 namespace kelpie {
@@ -87,15 +88,18 @@ inline reference::NodePtr reference_between(const reference::Node& a, const refe
   return out;
 }
 
+/// The reference's picture at a time.
+using ReferenceAt = std::function<reference::NodePtr(double time)>;
+
 /// Random rays, alone and in packets.
-inline Tally judge_moving_rays(const MovingField& field, std::array<float, 2> thresholds, int rays, CellLimits limits = {}) {
+inline Tally judge_moving_rays(const MovingField& field, std::array<float, 2> thresholds, int rays, CellLimits limits,
+                               const ReferenceAt& reference_at) {
   limits.slabs = 1; // within one slab the engine's motion is exactly what is said above
   const FrameScene scene = moving_scene(field, thresholds);
   const Tracer tracer(scene, limits);
   Box3 box = tracer.bounds();
   if (box.is_empty()) box = {Vec3(-1), Vec3(1)};
   box = box.padded(0.01f * box.diagonal());
-  const reference::NodePtr start = with_warps_at_leaves(*reference_of(field.start)), end = with_warps_at_leaves(*reference_of(field.end));
   std::vector<Question> questions;
   std::vector<reference::NodePtr> nodes;
   const auto threshold_of = [&](const Ray& ray) { return interpolate(thresholds[0], thresholds[1], ray.time); };
@@ -103,7 +107,7 @@ inline Tally judge_moving_rays(const MovingField& field, std::array<float, 2> th
     Random r(i);
     Question q{};
     const auto time = float(r.uniform(0, 1));
-    const reference::NodePtr node = reference_between(*start, *end, time);
+    const reference::NodePtr node = reference_at(time);
     std::vector<reference::Leaf> leaves;
     collect_leaves(*node, leaves);
     q.ray = random_ray(r, box, leaves, i % 4 != 0);
@@ -119,6 +123,38 @@ inline Tally judge_moving_rays(const MovingField& field, std::array<float, 2> th
     for (size_t i = 0; i < questions.size(); ++i) judge_answer(questions[i], *nodes[i], threshold_of(questions[i].ray), box, tally);
   }
   return tally;
+}
+
+inline Tally judge_moving_rays(const MovingField& field, std::array<float, 2> thresholds, int rays, const CellLimits& limits = {}) {
+  const reference::NodePtr start = with_warps_at_leaves(*reference_of(field.start)), end = with_warps_at_leaves(*reference_of(field.end));
+  return judge_moving_rays(field, thresholds, rays, limits, [&](double time) { return reference_between(*start, *end, time); });
+}
+
+/// Whether a kind moves within a slab by its own numbers, and by nothing else: not what is folded into others, or becomes others.
+template <class K>
+concept MovesByItself = MovingSkeleton<K> || MovingWarp<K> || Operator<K>;
+
+/// A random tree of which every kind that does so moves by itself, about as far as things do in a slab: less than the thinnest of them
+/// reaches. Any picture of it is the tree of the numbers between.
+inline MovingField random_moving_field(const EveryKind& every, unsigned trial) {
+  Random r(trial);
+  MovingField field;
+  field.start = every.random_field(trial, r), field.end = field.start;
+  double most = 0.15;
+  for (const auto& node : field.start.nodes)
+    std::visit(
+        [&](const auto& kind) {
+          if constexpr (Skeleton<std::decay_t<decltype(kind)>>) most = std::min(most, 0.3 * reach_of(kind));
+        },
+        node);
+  for (auto& node : field.end.nodes)
+    std::visit(
+        [&]<template <class> class Kind>(Kind<SampledMode>& kind) {
+          using K = Kind<SampledMode>;
+          if constexpr (MovesByItself<K>) interpolate(K(kind), random_kind<Kind>(r), most * r.uniform(0, Warp<K> ? 0.1 : 1), kind);
+        },
+        node);
+  return field;
 }
 
 /// Points are folded through warps before they are interpolated, which the reference above does not do.
