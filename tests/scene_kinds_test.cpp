@@ -1,5 +1,7 @@
 // One round over all kinds: what the tables say is what the reader, the manual and the schema do.
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 
 #include "scene/document.h"
 #include "scene/manual.h"
@@ -227,6 +229,22 @@ TEST(Tables, AreConsistent) {
           EXPECT_FALSE(is_reserved(ReservedAs::value, row.name, value)) << value;
       }
     });
+  });
+}
+
+/// docs/kinds shows every kind of field: scripts/draw_kinds makes it.
+TEST(EveryKind, HasAPicture) {
+  const std::filesystem::path folder = std::filesystem::path(KELPIE_EXAMPLES).parent_path() / "docs/kinds";
+  std::ifstream file(folder / "README.md");
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  FieldKinds::for_each([&]<template <class> class Kind>() {
+    const std::string name(Kind<AnimatedMode>::k_name), doc(Kind<AnimatedMode>::k_doc);
+    std::error_code error;
+    const auto bytes = std::filesystem::file_size(folder / (name + ".png"), error);
+    EXPECT_FALSE(error) << name;
+    EXPECT_LE(bytes, 40'000u) << name;
+    const std::string row = fmt::format("| ![{0}]({0}.png) | **`{0}`** {1} |", name, doc.substr(0, doc.find('\n')));
+    EXPECT_NE(page.find(row), page.npos) << "no row \"" << row << "\" in docs/kinds/README.md";
   });
 }
 
