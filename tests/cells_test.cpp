@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "renderer/cells/tighten.h"
 #include "renderer/program/bound.h"
 #include "renderer/trace/solve.h"
 #include "tests/support/every_kind.h"
@@ -98,7 +99,7 @@ double tree_value(const TreeView& tree, const Vec3d& p, double threshold) {
 
 /// The field as a cell has it, by the formulas of cells.h.
 double cell_value(const ShapeCells& shape, const Cell& cell, const Vec3d& p) {
-  if (cell.content == Cell::Content::tree) return tree_value(shape.tree(cell), p - Vec3d(cell.box.centre()), shape.program.threshold);
+  if (cell.content == Cell::Content::tree) return tree_value(shape.tree(cell), p - Vec3d(cell.centre), shape.program.threshold);
   if (cell.content == Cell::Content::code) return evaluate(shape.program, shape.code(cell), Point3<double>{p.x, p.y, p.z});
   const float* data = shape.blobs(cell);
   const size_t n = cell.count;
@@ -112,7 +113,7 @@ double cell_value(const ShapeCells& shape, const Cell& cell, const Vec3d& p) {
   return sum;
 }
 
-Vec3d random_point_in(Random& r, const Box3& box) { return r.in(Box3d{Vec3d(box.lower), Vec3d(box.upper)}); }
+Vec3 random_point(Random& r, const Box3& box) { return Vec3(r.in(Box3d{Vec3d(box.lower), Vec3d(box.upper)})); }
 
 /// Inside and outside are the same as of the whole field at random points of every cell; on the surface so
 /// is the gradient.
@@ -125,7 +126,7 @@ void expect_pruned_equals_full(const SampledField& field, double threshold, cons
   for (const Cell& cell : shape.cells) {
     if (cell.space_count > 0) continue; // below warps
     for (int i = 0; i < 8; ++i) {
-      const Vec3d p = random_point_in(r, cell.box);
+      const Vec3d p(random_point(r, cell.box));
       const double whole = evaluate(program, program.code, Point3<double>{p.x, p.y, p.z});
       if (std::abs(whole - threshold) < noise) continue;
       ASSERT_EQ(whole > threshold, cell_value(shape, cell, p) > threshold) << "at " << p.x << ' ' << p.y << ' ' << p.z;
@@ -162,6 +163,38 @@ TEST(Cells, PrunedEqualsFullOfEveryKind) {
     expect_pruned_equals_full(field, trial % 2 ? 1 : 0.6, trial % 3 ? CellLimits{} : k_small_cells, 1e-3);
     if (HasFatalFailure()) return;
   }
+}
+
+// What a box is cut back by holds nothing of the surface. (Boxes of cells are cut back already: this goes on with it.)
+TEST(Cells, WhatABoxIsCutBackByIsEmpty) {
+  const EveryKind kinds;
+  int compared = 0, cut = 0;
+  const auto look = [&](const SampledField& field, double threshold) {
+    const ShapeCells shape = build_cells(compile(field, threshold));
+    Random r(11);
+    for (const Cell& cell : shape.cells) {
+      if (cell.space_count > 0 || cell.content == Cell::Content::code) continue;
+      const Box3 part{random_point(r, cell.box), cell.box.upper};
+      const Box3 tight = cell.content == Cell::Content::tree
+                             ? tightened_to_tree(part, shape.tree(cell), cell.centre, threshold)
+                             : tightened_to_blobs(part, cell.content, shape.blobs(cell), cell.count, threshold);
+      for (int i = 0; i < 20; ++i) {
+        const Vec3 p = random_point(r, part);
+        ++compared;
+        if (tight.contains(p)) continue;
+        ++cut;
+        ASSERT_LT(cell_value(shape, cell, Vec3d(p)), threshold);
+      }
+    }
+  };
+  for (unsigned trial = 0; trial < 90; ++trial) {
+    SCOPED_TRACE(trial);
+    Random r(trial);
+    look(kinds.random_field(trial, r), trial % 2 ? 1 : 0.6);
+  }
+  for (const Falloff f : {Falloff::quartic, Falloff::wyvill})
+    for (const BlobCloud& cloud : {coincident_cloud(f), thin_cloud(f), negative_cloud(f)}) look(field_of(cloud), 1);
+  EXPECT_GT(cut, compared / 10);
 }
 
 // Cells of any size are the field; larger ones take less memory.

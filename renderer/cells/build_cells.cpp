@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include "renderer/cells/cells.h"
+#include "renderer/cells/tighten.h"
 #include "renderer/program/bound.h"
 
 namespace kelpie {
@@ -118,13 +119,14 @@ private:
   void add_cell(const Box3d& box, const Code& code, double radius, ShapeCells& out) const {
     const size_t before = out.bytes();
     Cell cell;
-    cell.box = {Vec3(box.lower), Vec3(box.upper)};
+    cell.box = {Vec3(box.lower), Vec3(box.upper)}, cell.centre = cell.box.centre();
     cell.epsilon = static_cast<float>(1e-3 * std::min(radius, smallest_influence(code)));
     const bool is_sum = code.steps.size() == 1 && code.steps[0].kind == Instruction::Kind::blobs && code.steps[0].space == 0;
     if (is_sum)
       add_blobs(code.blobs, cell, out);
     else if (!add_tree(code, cell, out))
       add_code(code, cell, out);
+    if (cell.box.is_empty()) return;
     out.cells.push_back(cell);
     if (limits_.budget) limits_.budget->take(out.bytes() - before + k_tree_bytes_per_cell);
   }
@@ -159,6 +161,9 @@ private:
       change[0] = e.x[i] - s.x[i], change[n] = e.y[i] - s.y[i], change[2 * n] = e.z[i] - s.z[i];
       if (!pure) change[3 * n] = e.k[i] - s.k[i], change[4 * n] = e.a[i] - s.a[i], change[5 * n] = e.b[i] - s.b[i];
     }
+    if (cell.content == Cell::Content::moving_mixed_blobs) return;
+    cell.box = tightened_to_blobs(cell.box, cell.content, data, n, threshold_.lo);
+    if (cell.box.is_empty()) out.leaf_data.resize(cell.first);
   }
 
   /// Whether anything that a code needs is in motion.
@@ -184,6 +189,8 @@ private:
       cell.content = Cell::Content::moving_tree;
       return false;
     }
+    cell.box = tightened_to_tree(cell.box, tree->view(), cell.centre, program_.threshold);
+    if (cell.box.is_empty()) return true;
     const auto add = [](const auto& from, auto& to) {
       const size_t first = to.size();
       to.insert(to.end(), from.begin(), from.end());

@@ -27,6 +27,7 @@ struct Cell {
     return c == Content::pure_blobs ? 5 : c == Content::mixed_blobs ? 7 : c == Content::moving_pure_blobs ? 8 : 13;
   }
   Box3 box;
+  Vec3 centre; ///< from here count the places of a tree
   Content content = Content::code;
   uint32_t count = 0;                   ///< blobs, padding included; or steps
   uint64_t first = 0;                   ///< into ShapeCells::leaf_data, ::tree_steps or ::steps

@@ -145,7 +145,7 @@ public:
         negligible_(1e-5f * threshold_),
         // Below this width a stretch of ray is a point: far below the offset of secondary rays.
         width_(std::max(1e-4f * cell.epsilon, 2e-7f * std::abs(ray.t1))), segment_(ray), middle_(0.5f * (ray.t0 + ray.t1)),
-        place_(Vec3d(ray.origin) + double(middle_) * Vec3d(ray.direction) - Vec3d(cell.box.centre())), work_(work), ray_(scratch) {}
+        place_(Vec3d(ray.origin) + double(middle_) * Vec3d(ray.direction) - Vec3d(cell.centre)), work_(work), ray_(scratch) {}
 
   bool run(float& t) {
     const float half = 0.5f * (segment_.t1 - segment_.t0);

@@ -308,7 +308,7 @@ uint32_t SolveTreeGroup(const ShapeCells& shape, const Cell& cell, const RayLane
   const V enough = rays.any ? hn::LoadU(k_lanes, rays.t_far + first) : set(-std::numeric_limits<float>::infinity());
   M hit, unsure;
   V at = hn::Zero(k_lanes);
-  TreeLaneSolver(shape, cell, counters.tree_packets, scratch).run(cell.box.centre(), segments, enough, hit, unsure, at);
+  TreeLaneSolver(shape, cell, counters.tree_packets, scratch).run(cell.centre, segments, enough, hit, unsure, at);
   hn::StoreU(at, k_lanes, t);
   uint32_t hits = bits_of(hit);
   if (!none(unsure)) settle(solve_tree, shape, cell, rays, first, segments, bits_of(unsure), hits, counters.trees, t);

@@ -36,7 +36,7 @@ private:
 class SpaceGradients {
 public:
   SpaceGradients(const FieldProgram& program, const TreeView& tree, const Cell& cell, const Vec3& place)
-      : world_(place - cell.box.centre()) {
+      : world_(place - cell.centre) {
     using D = Dual<double, 3>;
     if (tree.spaces.empty()) return;
     thread_local SpacePoints<D> points;

@@ -1,0 +1,15 @@
+// The part of a cell's box that holds its surface: rays that pass by it need not be solved.
+#pragma once
+
+#include "renderer/cells/cells.h"
+
+namespace kelpie {
+
+/// The box, cut back to where a sum of blobs may reach the threshold; empty if it does nowhere. `blobs` as
+/// ShapeCells::leaf_data has them, `count` of them with what pads. Not for blobs whose radii or weights change.
+Box3 tightened_to_blobs(const Box3&, Cell::Content, const float* blobs, size_t count, double threshold);
+
+/// The same for the tree of a cell, of which the box is a part; places of the tree count from `centre`.
+Box3 tightened_to_tree(const Box3&, const TreeView&, const Vec3& centre, double threshold);
+
+} // namespace kelpie
