@@ -172,7 +172,7 @@ private:
       hn::StoreU(p.x, k_lanes, &ray_.x0[i]), hn::StoreU(p.y, k_lanes, &ray_.y0[i]), hn::StoreU(p.z, k_lanes, &ray_.z0[i]);
       hn::StoreU(v.x, k_lanes, &ray_.x1[i]), hn::StoreU(v.y, k_lanes, &ray_.y1[i]), hn::StoreU(v.z, k_lanes, &ray_.z1[i]);
       const Leaf leaf = Leaf::each(tree_, i);
-      const V peak = leaf.potential(square_of_positive(Offset(leaf, p).least(v, row(leaf_drift), set(half))));
+      const V peak = leaf.potential(square_of_positive(nearest_approach(leaf, p, v, row(leaf_drift), set(half))));
       hn::StoreU(peak, k_lanes, &ray_.value[i]);
       const auto reaches = hn::Ne(peak, hn::Zero(k_lanes));
       any |= !hn::AllFalse(k_lanes, reaches);
@@ -189,11 +189,31 @@ private:
       any |= ray_.is_solid_active[i] != 0;
     }
     if (!any && sign_ > 0) return false;
-    if (!tree_.is_monotone) return true;
-    // What a leaf can be at most, 0 if it can only take away.
-    const double most =
-        join_all([&](const TreeStep& step, float peak) { return wants_high(step) ? std::max(peak, 0.f) : std::min(peak, 0.f); });
-    return sign_ * (most - threshold_) >= -1e-6f * threshold_;
+    const Range field = bounds_of_segment();
+    return sign_ > 0 ? hn::GetLane(field.high) >= threshold_ * (1 - 1e-6f) : hn::GetLane(field.low) <= threshold_ * (1 + 1e-6f);
+  }
+
+  /// Bounds of the field on the segment: by now each leaf's value is what it is at most, at least it is 0.
+  Range bounds_of_segment() const {
+    const V zero = hn::Zero(k_lanes);
+    Range stack[k_tree_depth + 1];
+    stack[0] = {zero, zero, zero};
+    size_t depth = 0;
+    for (const TreeStep& step : tree_.steps) {
+      if (step.is_join()) {
+        depth -= step.count - 1;
+        stack[depth - 1] = join_ranges(step, threshold_, [&](uint32_t i) -> const Range& { return stack[depth - 1 + i]; });
+        continue;
+      }
+      float low = 0, high = 0;
+      const auto add = [&](float peak) { low += std::min(peak, 0.f), high += std::max(peak, 0.f); };
+      if (step.kind == TreeStep::Kind::solid)
+        add(ray_.solid_value[step.first]);
+      else
+        for (uint32_t i = step.first; i < step.first + step.count; ++i) add(ray_.value[i]);
+      stack[depth++] = {zero, set(low), set(high)};
+    }
+    return stack[0];
   }
 
   bool wants_high(const TreeStep& step) const { return !tree_.is_monotone || step.is_subtracted == (sign_ < 0); }
@@ -239,9 +259,8 @@ private:
     return slot == 0 ? WarpedRay::Place{place_ + s * segment_.direction, segment_.direction} : ray_.places[slot - 1];
   }
 
-  /// The field, where a leaf whose number by the latest question is x yields leaf(step, x).
-  template <class LeafValue>
-  double join_all(const LeafValue& leaf) const {
+  /// The field by the latest values of the leaves.
+  double join_all() const {
     double stack[k_tree_depth + 1];
     size_t depth = 0;
     for (const TreeStep& step : tree_.steps) {
@@ -254,10 +273,10 @@ private:
       }
       double sum = 0;
       if (step.kind == TreeStep::Kind::solid)
-        sum = leaf(step, ray_.solid_value[step.first]);
+        sum = double(ray_.solid_value[step.first]);
       else
         for (uint32_t i = step.first; i < step.first + step.count; ++i)
-          if (ray_.is_active[i]) sum += leaf(step, ray_.value[i]);
+          if (ray_.is_active[i]) sum += double(ray_.value[i]);
       stack[depth++] = sum;
     }
     return stack[0];
@@ -288,7 +307,7 @@ private:
       const V distance = SolidView(tree_.solids, leaf).distance(lanes_of(place_in_base(leaf.slot, place).at));
       ray_.solid_value[i] = hn::GetLane(solid_potential(leaf, distance));
     }
-    return sign_ * static_cast<float>(join_all([&](const TreeStep&, float value) { return value; }) - double(threshold_));
+    return sign_ * static_cast<float>(join_all() - double(threshold_));
   }
 
   /// Whether leaves, at distances that change at these rates, have come nearer for a length and make the field rise, or have

@@ -29,14 +29,14 @@ namespace kelpie {
 /// each. Of leaves in warped spaces the first alone counts: 0, or far away.
 struct LaneTree {
   hwy::AlignedFreeUniquePtr<float[]> frames;
-  std::vector<uint32_t> leaves;               ///< which they are
+  std::vector<uint32_t> leaves;               ///< which they are, `leaf_count` of them
   std::vector<TreeStep> steps;                ///< the tree's, with what is left of their leaves
   hwy::AlignedFreeUniquePtr<float[]> reaches; ///< of each solid, a vector: 1 where a lane meets it, else 0
-  size_t capacity = 0, solid_capacity = 0;
+  size_t leaf_count = 0, capacity = 0, solid_capacity = 0;
 
   void begin(size_t n, size_t solids) {
-    leaves.clear(), steps.clear();
-    if (capacity < n) capacity = n, frames = hwy::AllocateAligned<float>(n * 6 * k_packet);
+    leaf_count = 0, steps.clear();
+    if (capacity < n) capacity = n, frames = hwy::AllocateAligned<float>(n * 6 * k_packet), leaves.resize(n);
     if (solid_capacity < solids) solid_capacity = solids, reaches = hwy::AllocateAligned<float>(solids * k_packet);
   }
 };
@@ -70,7 +70,7 @@ public:
     keep_rays(o, d, middle);
     const V most = set_up(m, d);
     hit = unsure = no_lanes();
-    if (tree_.is_monotone) live_ = hn::And(live_, hn::Ge(most, set(threshold_ * (1 - 1e-6f))));
+    live_ = hn::And(live_, hn::Ge(most, set(threshold_ * (1 - 1e-6f))));
     if (none(live_)) return;
     V root;
     march(hn::Sub(enough, middle), hit, root);
@@ -122,36 +122,93 @@ private:
     HWY_NAMESPACE::find_curves(tree_, {at_time(middle_, direction_, s), direction_}, hn::CountTrue(k_lanes, live_), by_points, found_);
   }
 
-  /// Puts the rays into the frames of the leaves; returns upper bounds of the field on the segments.
+  /// Puts the rays into the frames of the leaves, and leaves out the steps that no lane meets; returns upper bounds of the field
+  /// on the segments.
   V set_up(const V3& m, const V3& d) {
     middle_ = m, direction_ = d;
     lanes_.begin(tree_.leaf_count, tree_.solids.leaves.size());
     find_curves(hn::Zero(k_lanes));
-    V stack[k_tree_depth + 1];
+    const V zero = hn::Zero(k_lanes);
+    Range stack[k_tree_depth + 1];
+    Part parts[k_tree_depth + 1];
     size_t depth = 0;
+    const auto bounds_of = [&](V peak) { return Range{zero, hn::Min(peak, zero), hn::Max(peak, zero)}; };
     for (const TreeStep& step : tree_.steps) {
-      TreeStep& left = lanes_.steps.emplace_back(step);
       if (step.is_join()) {
-        depth -= step.count - 1;
-        stack[depth - 1] = join_values(step, threshold_, [&](uint32_t i) { return stack[depth - 1 + i]; });
+        depth -= step.count;
+        stack[depth] = join_ranges(step, threshold_, [&](uint32_t i) -> const Range& { return stack[depth + i]; });
+        parts[depth] = join_parts(step, &parts[depth]);
+        ++depth;
         continue;
       }
-      const auto at_most = [&](V peak) { return step.is_subtracted ? hn::Min(peak, hn::Zero(k_lanes)) : hn::Max(peak, hn::Zero(k_lanes)); };
+      Part part{lanes_.steps.size(), true, false};
+      TreeStep& left = lanes_.steps.emplace_back(step);
       if (step.kind == TreeStep::Kind::solid) {
-        stack[depth++] = at_most(set_up_solid(step.first));
-        continue;
+        const V peak = set_up_solid(step.first);
+        part.is_nothing = none(hn::Ne(peak, zero)),
+        part.may_be_negative = tree_.solids.leaves[step.first].a + tree_.solids.leaves[step.first].b < 0;
+        stack[depth] = bounds_of(peak);
+      } else {
+        left.first = static_cast<uint32_t>(lanes_.leaf_count);
+        Range sum{zero, zero, zero};
+        for (uint32_t i = step.first; i < step.first + step.count; ++i) {
+          const auto slot = static_cast<size_t>(tree_.row(leaf_space, i));
+          const size_t before = lanes_.leaf_count;
+          const V peak = slot == 0 ? set_up_leaf(i, m, d) : set_up_leaf(i, found_[slot - 1].place, found_[slot - 1].velocity);
+          part.may_be_negative |= lanes_.leaf_count > before && !tree_.is_positive(i);
+          sum.low = hn::Add(sum.low, hn::Min(peak, zero)), sum.high = hn::Add(sum.high, hn::Max(peak, zero));
+        }
+        left.count = static_cast<uint32_t>(lanes_.leaf_count) - left.first, part.is_nothing = left.count == 0;
+        stack[depth] = sum;
       }
-      left.first = static_cast<uint32_t>(lanes_.leaves.size());
-      V most = hn::Zero(k_lanes);
-      for (uint32_t i = step.first; i < step.first + step.count; ++i) {
-        const auto slot = static_cast<size_t>(tree_.row(leaf_space, i));
-        const V peak = slot == 0 ? set_up_leaf(i, m, d) : set_up_leaf(i, found_[slot - 1].place, found_[slot - 1].velocity);
-        most = hn::Add(most, at_most(peak));
-      }
-      left.count = static_cast<uint32_t>(lanes_.leaves.size()) - left.first;
-      stack[depth++] = most;
+      parts[depth++] = part;
     }
-    return stack[0];
+    return stack[0].high;
+  }
+
+  /// An operand: the steps from `first` on.
+  struct Part {
+    size_t first = 0;
+    bool is_nothing = true, may_be_negative = false; ///< 0 in all lanes; below 0 in any
+  };
+
+  /// Joins operands; where one of them is nothing, mostly without a step. What a lane gets is the same, to the last bit.
+  Part join_parts(const TreeStep& step, const Part* operands) {
+    using Kind = TreeStep::Kind;
+    std::vector<TreeStep>& steps = lanes_.steps;
+    const Part &a = operands[0], &b = operands[1];
+    const bool may_be_negative = std::any_of(operands, operands + step.count, [](const Part& p) { return p.may_be_negative; });
+    const auto at = [&](size_t i) { return steps.begin() + std::ptrdiff_t(i); };
+    const auto nothing = [&] { // of any kind, with a step of its own
+      steps.erase(at(a.first) + 1, steps.end());
+      steps.back() = {Kind::leaves, 0, 0, step.is_subtracted};
+      return Part{a.first, true, false};
+    };
+    switch (step.kind) {
+    case Kind::sum:
+    case Kind::maximum:
+    case Kind::r_union:
+    case Kind::hyper_blend:
+      if (step.kind != Kind::sum && may_be_negative) break;
+      if (b.is_nothing) {
+        steps.erase(at(b.first), steps.end());
+        return a;
+      }
+      if (!a.is_nothing) break;
+      steps.erase(at(a.first), at(b.first));
+      return {a.first, false, b.may_be_negative};
+    case Kind::minimum:
+    case Kind::r_intersection:
+      if (!may_be_negative && (a.is_nothing || b.is_nothing)) return nothing();
+      break;
+    case Kind::difference:
+    case Kind::r_difference:
+      if (a.is_nothing) return nothing();
+      break;
+    default: break;
+    }
+    steps.push_back(step);
+    return {a.first, false, may_be_negative};
   }
 
   /// The potential at the place of the segment that is nearest to the leaf, or nearer.
@@ -159,15 +216,15 @@ private:
     const auto row = [&](uint32_t r) { return set(tree_.leaves[r * tree_.leaf_count + i]); };
     const V3 p = place_in_frame(row, m), v = velocity_in_frame(row, d);
     const Leaf leaf = Leaf::all(tree_, i);
-    const V peak = leaf.potential(square_of_positive(Offset(leaf, p).least(v, row(leaf_drift), half_)));
+    const V peak = leaf.potential(square_of_positive(nearest_approach(leaf, p, v, row(leaf_drift), half_)));
     const auto reaches = hn::And(live_, hn::Ne(peak, hn::Zero(k_lanes)));
-    if (none(reaches)) return hn::Zero(k_lanes);
     // Where a lane does not meet the leaf, it must not make a difference whether another does: it is far away there.
     const bool is_line = tree_.row(leaf_space, i) == 0;
     const V rows[] = {hn::IfThenElse(reaches, is_line ? p.x : hn::Zero(k_lanes), set(1e15f)), p.y, p.z, v.x, v.y, v.z};
-    float* frame = lanes_.frames.get() + 6 * k_width * lanes_.leaves.size();
+    float* frame = lanes_.frames.get() + 6 * k_width * lanes_.leaf_count;
     for (size_t r = 0; r < 6; ++r) hn::Store(rows[r], k_lanes, frame + r * k_width);
-    lanes_.leaves.push_back(i);
+    lanes_.leaves[lanes_.leaf_count] = i;
+    lanes_.leaf_count += !none(reaches); // not by a branch: nobody can foresee it, and so many leaves are under way at once
     return hn::IfThenElseZero(reaches, peak);
   }
 

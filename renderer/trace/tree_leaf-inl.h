@@ -80,6 +80,20 @@ struct Offset {
   V least(const V3& v, V drift, V h) const { return hn::NegMulAdd(hn::Add(hn::Abs(rate(v)), drift), h, distance()); }
 };
 
+/// The same bound, and nearly the least distance itself: by the tangent where the ray is about nearest to the axis.
+inline V nearest_approach(const Leaf& leaf, const V3& p, const V3& v, V drift, V h) {
+  const V tiny = set(1e-20f);
+  const V across = hn::MulAdd(v.x, v.x, hn::Mul(v.y, v.y)), inward = hn::MulAdd(p.x, v.x, hn::Mul(p.y, v.y));
+  // On the endless axis, then on its part.
+  const V on_axis = hn::Div(hn::Neg(inward), hn::Max(across, tiny));
+  const V height = hn::Min(hn::Max(hn::MulAdd(on_axis, v.z, p.z), leaf.s_low), leaf.s_high);
+  const V along = hn::MulAdd(hn::Sub(p.z, height), v.z, inward);
+  const V nearest = hn::Div(hn::Neg(along), hn::Max(hn::MulAdd(v.z, v.z, across), tiny)), t = hn::Min(hn::Max(nearest, hn::Neg(h)), h);
+  const Offset offset(leaf, {hn::MulAdd(v.x, t, p.x), hn::MulAdd(v.y, t, p.y), hn::MulAdd(v.z, t, p.z)});
+  const V rate = offset.rate(v), falls = hn::Min(hn::Mul(rate, hn::Sub(h, t)), hn::Neg(hn::Mul(rate, hn::Add(h, t))));
+  return hn::NegMulAdd(drift, h, hn::Add(offset.distance(), falls));
+}
+
 /// The same from above, around a place with a velocity: on a line it is the larger of the ends.
 inline V most_distance(const Leaf& leaf, const V3& p, const V3& v, V drift, V h) {
   const auto end = [&](V t) {
@@ -113,7 +127,8 @@ static HWY_NOINLINE V hyper_blend(float exponent, V a, V b) {
   return hn::Mul(m, hn::IfThenElse(hn::Gt(ratio, least), factor, set(1)));
 }
 
-/// Two fields joined. `b` is what is subtracted, as it is.
+/// Two fields joined. `b` is what is subtracted, as it is. Where one of them is 0, the R-functions are exactly what they should be: as
+/// if the step were not there.
 HWY_INLINE V join_two(const TreeStep& step, float threshold, V a, V b) {
   const V zero = hn::Zero(k_lanes), units = set(1 / threshold), t = set(threshold);
   const auto in_units = [&](V f) { return hn::Mul(hn::Max(f, zero), units); };
@@ -121,9 +136,14 @@ HWY_INLINE V join_two(const TreeStep& step, float threshold, V a, V b) {
   case TreeStep::Kind::maximum: return hn::Max(a, b);
   case TreeStep::Kind::minimum: return hn::Min(a, b);
   case TreeStep::Kind::difference: return hn::Max(zero, hn::Min(a, hn::Sub(set(2 * threshold), b)));
-  case TreeStep::Kind::r_union: return hn::Mul(t, RFunctions::unite(in_units(a), in_units(b)));
-  case TreeStep::Kind::r_intersection: return hn::Mul(t, RFunctions::intersect(in_units(a), in_units(b)));
-  case TreeStep::Kind::r_difference: return hn::Mul(t, RFunctions::intersect(in_units(a), in_units(hn::Sub(set(2 * threshold), b))));
+  case TreeStep::Kind::r_union: {
+    const V both = hn::Mul(t, RFunctions::unite(in_units(a), in_units(b)));
+    return hn::IfThenElse(hn::Le(a, zero), hn::Max(b, zero), hn::IfThenElse(hn::Le(b, zero), a, both));
+  }
+  case TreeStep::Kind::r_intersection:
+    return hn::IfThenZeroElse(hn::Or(hn::Le(a, zero), hn::Le(b, zero)), hn::Mul(t, RFunctions::intersect(in_units(a), in_units(b))));
+  case TreeStep::Kind::r_difference:
+    return hn::IfThenZeroElse(hn::Le(a, zero), hn::Mul(t, RFunctions::intersect(in_units(a), in_units(hn::Sub(set(2 * threshold), b)))));
   case TreeStep::Kind::hyper_blend: return hyper_blend(step.exponent, a, b);
   default: return hn::Add(a, b);
   }
@@ -165,10 +185,11 @@ HWY_NOINLINE Range join_rare_ranges(const TreeStep& step, float threshold, const
   const bool subtracts = step.kind == TreeStep::Kind::difference || step.kind == TreeStep::Kind::r_difference;
   Range r{join_two(step, threshold, a.value, b.value), join_two(step, threshold, a.low, subtracts ? b.high : b.low),
           join_two(step, threshold, a.high, subtracts ? b.low : b.high)};
+  const V zero = hn::Zero(k_lanes);
   if (step.kind == TreeStep::Kind::r_union) {
-    const V zero = hn::Zero(k_lanes);
     const auto width = [&](const Range& f) { return hn::Sub(hn::Max(f.high, zero), hn::Max(f.low, zero)); };
-    const V slack = hn::Mul(set(0.167f), hn::Add(width(a), width(b)));
+    const M is_alone = hn::Or(hn::Le(a.high, zero), hn::Le(b.high, zero));
+    const V slack = hn::IfThenZeroElse(is_alone, hn::Mul(set(0.167f), hn::Add(width(a), width(b))));
     r.low = hn::Sub(r.low, slack), r.high = hn::Add(r.high, slack);
   }
   return r;

@@ -35,8 +35,7 @@ private:
 /// A point in the spaces of a tree, and how gradients get from there to the world.
 class SpaceGradients {
 public:
-  SpaceGradients(const FieldProgram& program, const TreeView& tree, const Cell& cell, const Vec3& place)
-      : world_(place - cell.centre) {
+  SpaceGradients(const FieldProgram& program, const TreeView& tree, const Cell& cell, const Vec3& place) : world_(place - cell.centre) {
     using D = Dual<double, 3>;
     if (tree.spaces.empty()) return;
     thread_local SpacePoints<D> points;
