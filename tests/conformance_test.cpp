@@ -379,6 +379,41 @@ TEST(Conformance, WarpsInvertAndBoundTheirImages) {
   });
 }
 
+// Second derivatives are bounded: so far a warp parts from its tangent.
+TEST(Conformance, WarpsPartFromTheirTangentsAsTheySay) {
+  for_each_field_kind([&]<template <class> class Kind>() {
+    if constexpr (requires(const Kind<SampledMode> kind, Point3<Interval> p) { kind.most_bending(p); }) {
+      SCOPED_TRACE(Kind<SampledMode>::k_name);
+      int bounded = 0;
+      double closest = 0;
+      for (unsigned trial = 0; trial < 5 * k_trials && !HasFailure(); ++trial) {
+        SCOPED_TRACE(trial);
+        Random r(trial);
+        auto kind = random_kind<Kind>(r);
+        if constexpr (requires { kind.rate; }) kind.rate *= 100; // degrees
+        const Box3d box = random_box(r, {Vec3d(-2), Vec3d(2)});
+        const double most = kind.most_bending(box_point(box));
+        if (!(most < 1e6)) continue;
+        ++bounded;
+        for (int i = 0; i < 20; ++i) {
+          const Vec3d p = r.in(box), q = r.in(box);
+          const Point3<Gradient> at_p = kind.child_from_parent(variables(p));
+          const Point3<double> at_q = kind.child_from_parent(point<double>(q));
+          const auto apart = [&](const Gradient& f, double g) {
+            return g - f.value - (f.d[0] * (q.x - p.x) + f.d[1] * (q.y - p.y) + f.d[2] * (q.z - p.z));
+          };
+          const double squared = glm::dot(q - p, q - p);
+          const double parts = glm::length(Vec3d(apart(at_p.x, at_q.x), apart(at_p.y, at_q.y), apart(at_p.z, at_q.z)));
+          EXPECT_LE(parts, most * squared * (1 + 1e-9) + 1e-9);
+          if (most > 0 && squared > 1e-6) closest = std::max(closest, parts / (most * squared));
+        }
+      }
+      EXPECT_GT(bounded, k_trials / 2);
+      EXPECT_GT(closest, 0.5) << "a bound that is far off helps little";
+    }
+  });
+}
+
 // Where a box meets a tear: its images are in boxes that say more than one box around all of them.
 TEST(Conformance, TornImagesHoldAllThatIsSomewhere) {
   for_each_field_kind([&]<template <class> class Kind>() {

@@ -112,6 +112,20 @@ Source: Barr 1984, "Global and local deformations of solid primitives"; methods.
     return true;
   }
 
+  /// Half the largest second derivative of child_from_parent in a box, in any direction; infinite across a kink or the cut.
+  double most_bending(const Point3<Interval>& p) const {
+    const Arc arc(*this);
+    if (arc.is_straight()) return 0;
+    const Turned<Interval> q(arc, p);
+    const Interval turn = azimuth(q.x, q.y, arc.cut);
+    if (turn.width() >= std::numbers::pi) return std::numeric_limits<double>::infinity();
+    if (turn.hi < 0 || turn.lo > arc.end) return 0;
+    if (turn.lo < 0 || turn.hi > arc.end) return std::numeric_limits<double>::infinity();
+    // Of the distance d from the bend axis, in radii, 1 / d; of the angle 1 / d^2.
+    const double nearest = norm(q.x, q.y).lo;
+    return 0.5 * arc.curvature * norm(1 / nearest, 1 / square(nearest));
+  }
+
   template <class Real>
   Point3<Real> parent_from_child(const Point3<Real>& p) const {
     const Arc arc(*this);

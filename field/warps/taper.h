@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "base/box.h"
 #include "field/skeletons/frame.h"
 #include "field/warps/warp_way.h"
@@ -54,6 +56,16 @@ Source: Barr 1984, "Global and local deformations of solid primitives"; methods.
     const Point3<Interval> r =
         parent_from_child(Point3<Interval>{{box.lower.x, box.upper.x}, {box.lower.y, box.upper.y}, {box.lower.z, box.upper.z}});
     return {Vec3d(r.x.lo, r.y.lo, r.z.lo), Vec3d(r.x.hi, r.y.hi, r.z.hi)};
+  }
+
+  /// Half the largest second derivative of child_from_parent in a box, in any direction; infinite across a kink.
+  double most_bending(const Point3<Interval>& p) const {
+    const AxisFrame frame{Vec3d(centre), Vec3d(axis)};
+    const Point3<Interval> q = frame.local(p);
+    if (q.z.hi < 0 || q.z.lo > double(length)) return 0;
+    if (q.z.lo < 0 || q.z.hi > double(length)) return std::numeric_limits<double>::infinity();
+    const double slope = std::abs(double(by) - 1) / double(length), least = factor(q.z).lo;
+    return 0.5 * (2 * norm(q.x, q.y).hi * square(slope) / (least * least * least) + slope / square(least));
   }
 
   /// How far apart two states, and any two states interpolated between them, take a point of a box.

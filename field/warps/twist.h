@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "base/box.h"
 #include "field/skeletons/frame.h"
 #include "field/warps/warp_way.h"
@@ -57,6 +59,16 @@ from it: at distance r by up to (k r + sqrt(k^2 r^2 + 4)) / 2, k the rate in rad
       image.lower[i] = frame.origin[i] + along.lo - across, image.upper[i] = frame.origin[i] + along.hi + across;
     }
     return image;
+  }
+
+  /// Half the largest second derivative of child_from_parent in a box, in any direction; infinite across a kink.
+  double most_bending(const Point3<Interval>& p) const {
+    const AxisFrame frame{Vec3d(centre), Vec3d(axis)};
+    const Point3<Interval> q = frame.local(p);
+    if (length > 0 && (q.z.hi < 0 || q.z.lo > double(length))) return 0;
+    if (length > 0 && (q.z.lo < 0 || q.z.hi > double(length))) return std::numeric_limits<double>::infinity();
+    const double by_height = std::abs(glm::radians(double(rate)));
+    return 0.5 * (square(by_height) * norm(q.x, q.y).hi + by_height);
   }
 
   /// How far apart two states, and any two states interpolated between them, take a point of a box, the same either way:

@@ -137,7 +137,7 @@ private:
     const auto never = [](size_t) { return Curve{}; };
     for (int side = 0; side < 3 && !tree_.spaces.empty(); ++side) {
       Curve curves[k_tree_spaces];
-      find_curves(tree_, {place, seen_[0].sides[side]}, never, curves);
+      find_curves(tree_, {place, seen_[0].sides[side]}, 0, never, curves);
       for (size_t i = 0; i < tree_.spaces.size(); ++i) seen_[i + 1].place = curves[i].place, seen_[i + 1].sides[side] = curves[i].velocity;
     }
   }
@@ -148,7 +148,7 @@ private:
     const Leaf leaf = Leaf::all(tree_, i);
     const Seen& from = seen_[static_cast<size_t>(tree_.row(leaf_space, i))];
     const Offset offset(leaf, place_in_frame(row, from.place));
-    V least = hn::NegMulAdd(row(leaf_drift), radius_, offset.distance());
+    V least = hn::NegMulAdd(drift_within(row, radius_), radius_, offset.distance());
     for (const V3& side : from.sides) least = hn::Sub(least, hn::Abs(offset.rate(velocity_in_frame(row, side))));
     return leaf.potential(square_of_positive(least));
   }
@@ -156,7 +156,7 @@ private:
   V nearest_to_solid(const SolidLeaf& leaf) const {
     const SolidView view(tree_.solids, leaf);
     const Seen& from = seen_[leaf.slot];
-    V nearer = hn::Mul(set(leaf.drift), radius_), distance = nearer, rate = nearer;
+    V nearer = hn::Mul(hn::Min(set(leaf.drift), hn::Mul(set(leaf.bending), radius_)), radius_), distance = nearer, rate = nearer;
     for (const V3& side : from.sides) distance = view.distance(from.place, side, rate), nearer = hn::Add(nearer, hn::Abs(rate));
     return solid_potential(leaf, hn::Sub(distance, nearer));
   }

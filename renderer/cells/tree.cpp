@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "renderer/cells/solid_parts.h"
@@ -200,6 +201,7 @@ private:
     if (!is_known) return false;
     leaf.sign = (leaf.a + leaf.b < 0) == is_subtracted ? 1.f : -1.f;
     leaf.slot = base.slot, leaf.drift = static_cast<float>(base.turning * stretch(local_from_base.linear));
+    leaf.bending = static_cast<float>(base.bending * stretch(local_from_base.linear));
     leaf.node = step.node, leaf.space = step.space;
     out_.steps.push_back({TreeStep::Kind::solid, static_cast<uint32_t>(out_.solids.size()), 1, is_subtracted});
     out_.solids.push_back(leaf);
@@ -229,9 +231,11 @@ private:
 
   /// Where the leaves of a space are computed from: the world, or a warped space that is a base of others.
   struct Base {
-    uint32_t slot = 0;  ///< as leaf_space has it
-    Vec3d centre;       ///< of the cell, as the solvers have it
-    double turning = 0; ///< how much the derivative of the map from the world differs within the cell, at most
+    uint32_t slot = 0;       ///< as leaf_space has it
+    Vec3d centre;            ///< of the cell, as the solvers have it
+    double turning = 0;      ///< how much the derivative of the map from the world differs within the cell, at most
+    double bending = 0;      ///< half the largest second derivative of that map
+    double most_stretch = 1; ///< the largest factor by which that map stretches
   };
 
   /// The base of a space, and the affine map from there; false if the map from the world is too far from linear.
@@ -258,9 +262,10 @@ private:
       base.centre = rounded_to_float({c.x, c.y, c.z});
       base.turning = turning(program_, warped, cell_);
       if (!(base.turning <= k_most_drift) || out_.spaces.size() == k_tree_spaces) return false;
+      const Affine warp_from_base = warp.local_from_parent * parent_from_base;
+      find_bending(warp, parent, stretch(warp_from_base.linear), base);
       const LaneWarp lanes = std::visit(
           [&](const auto& kind) {
-            const Affine warp_from_base = warp.local_from_parent * parent_from_base;
             if constexpr (std::is_same_v<decltype(kind), const Axial<SampledMode>&>)
               return lane_warp(kind, warp_from_base, parent.centre, base.centre, box_before(warp), out_.axes);
             else
@@ -271,6 +276,30 @@ private:
     }
     bases_.emplace_back(warped, base);
     return true;
+  }
+
+  /// By the chain rule: second derivatives of the warp times first derivatives before it, squared, and the other way round.
+  void find_bending(const Space& warp, const Base& parent, double stretch_between, Base& base) const {
+    const Box3d box = box_before(warp);
+    const Point3<Interval> p{{box.lower.x, box.upper.x}, {box.lower.y, box.upper.y}, {box.lower.z, box.upper.z}};
+    std::visit(
+        [&](const auto& kind) {
+          base.bending = std::numeric_limits<double>::infinity();
+          if constexpr (requires { kind.most_bending(p); }) {
+            using Variable = Dual<Interval, 3>;
+            const Point3<Variable> image = kind.child_from_parent(
+                Point3<Variable>{Variable::variable(p.x, 0), Variable::variable(p.y, 1), Variable::variable(p.z, 2)});
+            double sum = 0;
+            for (const Variable& x : {image.x, image.y, image.z})
+              for (const Interval& d : x.d) sum += square(d.magnitude());
+            const double warp_stretch = std::sqrt(sum), before = stretch_between * parent.most_stretch;
+            base.most_stretch = warp_stretch * before;
+            base.bending = kind.most_bending(p) * square(before);
+            if (parent.bending > 0) base.bending += warp_stretch * stretch_between * parent.bending;
+            if (std::isnan(base.bending)) base.bending = std::numeric_limits<double>::infinity();
+          }
+        },
+        program_.field.nodes[warp.warp]);
   }
 
   /// Around where the cell is before it is warped.
@@ -318,6 +347,7 @@ private:
     leaf[leaf_k] = static_cast<float>(k), leaf[leaf_a] = static_cast<float>(a), leaf[leaf_b] = static_cast<float>(b);
     leaf[leaf_sign] = (a + b < 0) == is_subtracted ? 1.f : -1.f;
     leaf[leaf_space] = static_cast<float>(base.slot), leaf[leaf_drift] = static_cast<float>(base.turning * stretch(linear));
+    leaf[leaf_bending] = static_cast<float>(base.bending * stretch(linear));
     return true;
   }
 

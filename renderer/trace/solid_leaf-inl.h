@@ -45,7 +45,7 @@ public:
   /// At a place with a velocity, and on the stretch h either way. To a convex solid the distance along a line is convex: it
   /// lies above its tangent, and below the larger of its ends. From its tangent a ray parts by `drift` times h at most.
   SolidRange range(const V3& place, const V3& velocity, V h, bool wants_most) const {
-    const V drift = set(leaf_.drift);
+    const V drift = drift_within(h);
     SolidRange r;
     if (leaf_.form == SolidLeaf::Form::hull) {
       V rate;
@@ -84,6 +84,7 @@ public:
 
 private:
   const SolidPart& part(uint32_t i = 0) const { return solids_.parts[leaf_.first_part + i]; }
+  V drift_within(V h) const { return hn::Min(set(leaf_.drift), hn::Mul(set(leaf_.bending), h)); }
   V grown(V d) const { return hn::Sub(d, set(leaf_.growth)); }
 
   static V3 in_frame(const SolidPart& part, const V3& p) {
@@ -165,7 +166,7 @@ private:
   /// In the half plane through the axis the section is convex, but a line becomes a curve: it lies farther from the axis than
   /// its tangent, by a distance that grows to both sides. Where the solid is convex that is never nearer.
   SolidRange turned_range(const V3& p, const V3& v, V h, bool wants_most) const {
-    const V zero = hn::Zero(k_lanes), drift = set(leaf_.drift), radius = across(p);
+    const V zero = hn::Zero(k_lanes), drift = drift_within(h), radius = across(p);
     const V3 flat{radius, p.z, zero}, flat_v{outward(p, v, radius), v.z, zero}, to = to_section(flat);
     const V d = length(to), back = hn::Neg(h);
     const auto parts_by = [&](V t) { return hn::Sub(across(at_time(p, v, t)), hn::MulAdd(flat_v.x, t, radius)); };

@@ -172,7 +172,7 @@ private:
       hn::StoreU(p.x, k_lanes, &ray_.x0[i]), hn::StoreU(p.y, k_lanes, &ray_.y0[i]), hn::StoreU(p.z, k_lanes, &ray_.z0[i]);
       hn::StoreU(v.x, k_lanes, &ray_.x1[i]), hn::StoreU(v.y, k_lanes, &ray_.y1[i]), hn::StoreU(v.z, k_lanes, &ray_.z1[i]);
       const Leaf leaf = Leaf::each(tree_, i);
-      const V peak = leaf.potential(square_of_positive(nearest_approach(leaf, p, v, row(leaf_drift), set(half))));
+      const V peak = leaf.potential(square_of_positive(nearest_approach(leaf, p, v, drift_within(row, set(half)), set(half))));
       hn::StoreU(peak, k_lanes, &ray_.value[i]);
       const auto reaches = hn::Ne(peak, hn::Zero(k_lanes));
       any |= !hn::AllFalse(k_lanes, reaches);
@@ -377,7 +377,6 @@ private:
       if (!ray_.is_active[i]) continue;
       const auto row = [&](uint32_t r) { return set(tree_.leaves[r * tree_.leaf_count + i]); };
       const Leaf leaf = Leaf::all(tree_, i);
-      const V drift = row(leaf_drift);
       const V3 p{set(ray_.x0[i]), set(ray_.y0[i]), set(ray_.z0[i])}, v{set(ray_.x1[i]), set(ray_.y1[i]), set(ray_.z1[i])};
       const auto slot = static_cast<size_t>(tree_.row(leaf_space, i));
       for (size_t j = 0; j < k_vectors; ++j) {
@@ -385,7 +384,8 @@ private:
         const V3 place = slot == 0 ? V3{hn::MulAdd(v.x, s, p.x), hn::MulAdd(v.y, s, p.y), hn::MulAdd(v.z, s, p.z)}
                                    : place_in_frame(row, curves[j][slot - 1].place);
         const V3 velocity = slot == 0 ? v : velocity_in_frame(row, curves[j][slot - 1].velocity);
-        add_leaf(leaf, tree_.is_positive(i), wants_low(step), wants_high(step), place, velocity, drift, halves.v[j], sum.v[j]);
+        add_leaf(leaf, tree_.is_positive(i), wants_low(step), wants_high(step), place, velocity, drift_within(row, halves.v[j]),
+                 halves.v[j], sum.v[j]);
       }
     }
   }

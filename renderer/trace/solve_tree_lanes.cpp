@@ -216,7 +216,7 @@ private:
     const auto row = [&](uint32_t r) { return set(tree_.leaves[r * tree_.leaf_count + i]); };
     const V3 p = place_in_frame(row, m), v = velocity_in_frame(row, d);
     const Leaf leaf = Leaf::all(tree_, i);
-    const V peak = leaf.potential(square_of_positive(nearest_approach(leaf, p, v, row(leaf_drift), half_)));
+    const V peak = leaf.potential(square_of_positive(nearest_approach(leaf, p, v, drift_within(row, half_), half_)));
     const auto reaches = hn::And(live_, hn::Ne(peak, hn::Zero(k_lanes)));
     // Where a lane does not meet the leaf, it must not make a difference whether another does: it is far away there.
     const bool is_line = tree_.row(leaf_space, i) == 0;
@@ -290,7 +290,7 @@ private:
       place.x = hn::Add(place.x, p.x);
     }
     const bool wants_low = !tree_.is_monotone || is_subtracted, wants_high = !tree_.is_monotone || !is_subtracted;
-    add_leaf(Leaf::all(tree_, i), tree_.is_positive(i), wants_low, wants_high, place, velocity, row(leaf_drift), h, sum);
+    add_leaf(Leaf::all(tree_, i), tree_.is_positive(i), wants_low, wants_high, place, velocity, drift_within(row, h), h, sum);
   }
 
   void march(V enough, M& hit, V& root) {

@@ -60,6 +60,12 @@ private:
   }
 };
 
+/// From its tangent a ray parts by no more than this times h, h away from where it touches; row(r) as the leaf's numbers.
+template <class Row>
+V drift_within(const Row& row, V h) {
+  return hn::Min(row(leaf_drift), hn::Mul(row(leaf_bending), h));
+}
+
 /// A place in a leaf's frame, seen from the nearest point of its axis: the distance is length - radius.
 struct Offset {
   V x, y, z, length, radius;
