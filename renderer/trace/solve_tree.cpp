@@ -517,17 +517,27 @@ Vec3 TreeGradient(const ShapeCells& shape, const Cell& cell, const Vec3& place) 
     for (uint32_t c = 0; c < 3; ++c) hn::StoreU(component(c), k_lanes, &leaves[c + 1][i]);
   }
 
-  std::array<FieldValue<Vec3d>, k_tree_depth + 1> stack;
+  // The stack holds numbers of values: most steps choose one of two, and need not copy it.
+  thread_local std::vector<FieldValue<Vec3d>> values; // of each step
+  if (values.size() < tree.steps.size()) values.resize(tree.steps.size());
+  std::array<uint32_t, k_tree_depth + 1> stack;
+  stack[0] = 0;
   size_t depth = 0;
-  for (const TreeStep& step : tree.steps) {
+  for (uint32_t number = 0; number < tree.steps.size(); ++number) {
+    const TreeStep& step = tree.steps[number];
     if (step.is_join()) {
       depth -= step.count - 1;
-      stack[depth - 1] =
-          join_fields<Vec3d>(step, shape.program.threshold, [&](uint32_t i) -> const FieldValue<Vec3d>& { return stack[depth - 1 + i]; });
+      uint32_t* operands = &stack[depth - 1];
+      const auto at = [&](uint32_t i) -> const FieldValue<Vec3d>& { return values[operands[i]]; };
+      const bool chooses = step.kind == TreeStep::Kind::maximum || step.kind == TreeStep::Kind::minimum;
+      if (chooses && (at(0).f > at(1).f) == (step.kind == TreeStep::Kind::maximum)) continue;
+      if (!chooses) values[number] = join_fields<Vec3d>(step, shape.program.threshold, at);
+      operands[0] = chooses ? operands[1] : number;
       continue;
     }
+    stack[depth++] = number;
     if (step.kind == TreeStep::Kind::solid) {
-      stack[depth++] = solid_field(shape.program, tree.solids.leaves[step.first], place);
+      values[number] = solid_field(shape.program, tree.solids.leaves[step.first], place);
       continue;
     }
     FieldValue<Vec3d> sum;
@@ -535,9 +545,9 @@ Vec3 TreeGradient(const ShapeCells& shape, const Cell& cell, const Vec3& place) 
       if (leaves[0][i] == 0) continue;
       sum.f += leaves[0][i], sum.g += Vec3d(spaces.in_world(tree.row(leaf_space, i), Vec3(leaves[1][i], leaves[2][i], leaves[3][i])));
     }
-    stack[depth++] = sum;
+    values[number] = sum;
   }
-  return Vec3(stack[0].g);
+  return Vec3(values[stack[0]].g);
 }
 
 } // namespace HWY_NAMESPACE

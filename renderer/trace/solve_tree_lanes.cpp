@@ -296,7 +296,7 @@ private:
   void march(V enough, M& hit, V& root) {
     const V zero = hn::Zero(k_lanes), one_half = set(0.5f), tiny = set(tiny_), near = set(0.4f * tiny_);
     const V longest = hn::Max(half_, tiny);
-    V from = hn::Neg(half_), step = hn::Mul(set(0.5f), longest); // up to `from` there is no root
+    V from = hn::Neg(half_), step = hn::Mul(set(0.15f), longest); // up to `from` there is no root
     V before = from, g_before = set(-1);                         // the last place with g < 0
     M has_before = no_lanes();
     root = from;
@@ -335,7 +335,7 @@ private:
       const V by_secant = hn::IfThenElse(hn::Gt(ahead, near), hn::Mul(set(0.9f), ahead), hn::IfThenElse(is_known, past, up_to));
       const V gap = hn::Max(hn::Sub(most, g), set(1e-30f));
       const V by_bound = hn::Mul(hn::Min(hn::Max(hn::Sqrt(hn::Div(hn::Neg(g), gap)), set(0.2f)), set(0.7f)), step);
-      const V unaided = hn::IfThenElse(is_clear, hn::Add(step, step), hn::IfThenElse(outside, by_bound, hn::Mul(set(0.3f), step)));
+      const V unaided = hn::IfThenElse(is_clear, hn::Mul(set(3), step), hn::IfThenElse(outside, by_bound, hn::Mul(set(0.3f), step)));
       step = hn::IfThenElse(has_secant, hn::Min(unaided, by_secant), unaided);
       const auto lingers = hn::And(hn::And(has_secant, is_tiny), hn::AndNot(is_clear, outside)); // the surface is in the second half
       step = hn::IfThenElse(lingers, by_secant, step);
