@@ -297,7 +297,7 @@ private:
     const V zero = hn::Zero(k_lanes), one_half = set(0.5f), tiny = set(tiny_), near = set(0.4f * tiny_);
     const V longest = hn::Max(half_, tiny);
     V from = hn::Neg(half_), step = hn::Mul(set(0.15f), longest); // up to `from` there is no root
-    V before = from, g_before = set(-1);                         // the last place with g < 0
+    V before = from, g_before = set(-1);                          // the last place with g < 0
     M has_before = no_lanes();
     root = from;
     for (int i = 0; i < k_most_tries && !none(live_); ++i) {
