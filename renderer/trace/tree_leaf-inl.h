@@ -163,12 +163,6 @@ V mix(uint32_t count, const At& at, V region) {
   return hn::MulAdd(hn::Min(hn::Max(region, hn::Zero(k_lanes)), set(1)), hn::Sub(sum, most), most);
 }
 
-/// The operands at(0), at(1), … joined.
-template <class At>
-V join_values(const TreeStep& step, float threshold, const At& at) {
-  return step.kind == TreeStep::Kind::local_blend ? mix(step.count - 1, at, at(step.count - 1)) : join_two(step, threshold, at(0), at(1));
-}
-
 /// A field at a place, and its bounds around it; of these only those that the tree asks for are meant.
 struct Range {
   V value, low, high;
