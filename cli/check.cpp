@@ -7,6 +7,7 @@
 #include "cli/command.h"
 #include "cli/film_options.h"
 #include "colour/spaces.h"
+#include "renderer/check_surfaces.h"
 #include "renderer/forecast.h"
 #include "renderer/output/sequence.h"
 #include "scene/reader.h"
@@ -24,6 +25,7 @@ void check(const std::string& path, const RenderOptions& options) {
   const PixelBox window = apply_film_options(options, scene.film);
   const std::vector<int> frames = parse_frames(options.frames.value_or(fmt::format("{}-{}", scene.frames.first, scene.frames.last)));
 
+  warn_of_missing_surfaces(scene, frames, diagnostics);
   EnvironmentCache environments;
   const std::atomic<bool> stop{false};
   const std::function<void(double)> silent = [](double) {};

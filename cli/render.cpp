@@ -16,6 +16,7 @@
 #include "cli/progress.h"
 #include "cli/stats.h"
 #include "colour/spaces.h"
+#include "renderer/check_surfaces.h"
 #include "renderer/output/camera_matrices.h"
 #include "renderer/output/exr.h"
 #include "renderer/output/sequence.h"
@@ -126,6 +127,9 @@ void render_scene(const std::string& scene_path, const std::string& name, const 
   const std::vector<int> frames = frames_to_render(scene, options.frames);
   const FramePattern pattern(options.output.empty() ? name + ".####.exr" : options.output);
   require_numbered(pattern, frames);
+  Diagnostics of_surfaces;
+  warn_of_missing_surfaces(scene, frames, of_surfaces);
+  print_warnings(of_surfaces);
 
   const std::string hash = picture_hash(scene, window);
   Progress progress(options.progress, static_cast<double>(frames.size()), "frames");

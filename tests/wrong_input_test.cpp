@@ -119,6 +119,21 @@ TEST_F(WrongInput, AMeshThatCanBeMendedIsUsed) {
   EXPECT_TRUE(std::filesystem::exists(path("a.ply")));
 }
 
+// A shape that nobody will see is allowed, and said once, however many frames there are.
+TEST_F(WrongInput, AShapeWithoutASurfaceIsWarnedOf) {
+  write("scene.json", R"({ "kelpie": 1, "frames": { "last": 3 }, "film": { "resolution": [16, 16], "spp": 1 }, "shapes": [
+  { "name": "ball", "field": { "kind": "point", "centre": [0, 0, 0], "radius": 1 } } ] })");
+  const std::string warning =
+      "warning: scene.json:2:3: shape \"ball\" has no surface: its field is at most 1, and its threshold is 1 (raise "
+      "\"weight\", or lower \"threshold\")\n";
+  for (const char* arguments : {"check scene.json", "render scene.json -o 'a.####.exr' --progress none"}) {
+    const Outcome o = kelpie(arguments);
+    EXPECT_EQ(o.status, 0);
+    EXPECT_EQ(o.err, warning) << arguments;
+  }
+  EXPECT_EQ(kelpie("check scene.json --set shapes.ball.field.weight=2").err, "");
+}
+
 TEST_F(WrongInput, ColourConfigsAreNeverReplaced) {
   write("scene.json", k_good);
   const size_t files = file_count();

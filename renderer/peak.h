@@ -1,0 +1,33 @@
+// How large a field gets: whether it has a surface at all.
+#pragma once
+
+#include "renderer/program/program.h"
+
+namespace kelpie {
+
+/// A field counts as no greater than its threshold up to this part of it: blobs are bounded in float.
+inline constexpr double k_peak_margin = 1e-5;
+
+enum class Surface {
+  none,    ///< proved: the field is nowhere greater than its threshold
+  present, ///< proved: somewhere it is
+  unknown, ///< too much work to tell
+};
+
+/// Whether a program that stands has a surface: boxes are bounded and halved, the one with the largest bound first, until a
+/// place is found where the field exceeds the threshold, or no box is left where it may. `work` is taken from as it goes: about
+/// 5 ns each.
+Surface find_surface(const FieldProgram&, int64_t& work);
+
+/// An upper bound of a field everywhere, in the same way: within 1e-4 of its largest value, if the work suffices.
+double peak_of(const FieldProgram&, int64_t& work);
+
+/// The largest potential that a single leaf of the program may have by itself; 0 if there is none above.
+double peak_of_leaves(const FieldProgram&);
+
+/// A skeleton whose own potential is only the threshold, and which nothing adds to on much of it: there the field reaches the
+/// threshold, and no point is inside. Its name; empty if there is none. Looks at a few skeletons, of those that no warp bends, in
+/// a few places.
+std::string_view skeleton_at_threshold(const FieldProgram&);
+
+} // namespace kelpie
