@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <mutex>
+#include <numeric>
 
 #include <tbb/parallel_for.h>
 
@@ -18,8 +19,8 @@ constexpr int k_tile = 16;
 /// Its pixels go by squares of this side.
 constexpr int k_block = 4;
 static_assert(k_block * k_block <= k_packet);
-/// While the shutter is open, so many samples of a pixel are taken at once, if it has as many.
-constexpr uint32_t k_most_moments = 16;
+/// So many samples of a pixel are taken at once, if it has as many.
+constexpr uint32_t k_most_at_once = 16;
 /// Z of a pixel without a surface.
 constexpr float k_far = 1e10f;
 
@@ -63,14 +64,15 @@ public:
       : frame_(frame), tracer_(tracer), paths_(tracer, lights, frame), camera_(frame), next_camera_(frame, 1), filter_(frame.film.filter),
         window_(window), out_(out), channels_(out.image, frame.film.aovs), surroundings_(tracer, camera_.bounds()),
         frame_number_(static_cast<uint32_t>(std::llround(frame.frame))), is_exposed_(frame.moment && frame.camera.shutter > 0),
-        batch_(samples_at_once(frame.film.spp, tracer.slab_count(), is_exposed_)) {}
+        batch_(samples_at_once(frame.film.spp, tracer.slab_count())) {}
 
   void tile(int x0, int y0) {
     flush_denormals_in_this_thread();
     TileTally tally;
     const int x1 = std::min(x0 + k_tile, window_.x1), y1 = std::min(y0 + k_tile, window_.y1);
+    Batch batch;
     for (int y = y0; y < y1; y += k_block)
-      for (int x = x0; x < x1; x += k_block) block({x, y, std::min(x + k_block, x1), std::min(y + k_block, y1)}, tally);
+      for (int x = x0; x < x1; x += k_block) block({x, y, std::min(x + k_block, x1), std::min(y + k_block, y1)}, batch, tally);
     const std::lock_guard lock(mutex_);
     out_.rays.add(tally.rays);
     out_.nonfinite += tally.nonfinite;
@@ -84,79 +86,112 @@ private:
     Vec2i where{0};
   };
 
+  /// A sample of one of a block's pixels: what its path begins with, and what it found.
+  struct Sample {
+    Sampler sampler; ///< as the path has it
+    Vec2 offset, lens;
+    float time;
+    uint32_t pixel;
+    int number; ///< among the samples of the pixel
+    Vec3 radiance{0}, albedo{0};
+    bool is_hit = false;
+  };
+
   /// What a pixel's samples add up to.
   struct PixelTally {
     Vec3 radiance{0}, albedo{0};
     int hits = 0;
     uint64_t evaluations = 0; ///< only where the film asks for `cost`
-    PathResult central;       ///< of the sample nearest to the pixel's centre
+    PathResult central;       ///< of the sample nearest to the pixel's centre; of equals the first
     Ray central_ray;          ///< as it left the camera
     float nearest = std::numeric_limits<float>::infinity();
+    int central_number = 0;
 
-    void add(const PathResult& path, Vec2 offset, const Ray& ray) {
-      radiance += path.radiance;
-      hits += path.is_hit;
-      if (path.is_hit) albedo += path.albedo;
-      if (const float distance = glm::dot(offset, offset); distance < nearest) nearest = distance, central = path, central_ray = ray;
+    void add(const Sample& sample) {
+      radiance += sample.radiance;
+      hits += sample.is_hit;
+      if (sample.is_hit) albedo += sample.albedo;
+    }
+    bool is_central(const Sample& sample) {
+      const float distance = glm::dot(sample.offset, sample.offset);
+      if (distance > nearest || (distance == nearest && sample.number > central_number)) return false;
+      nearest = distance, central_number = sample.number;
+      return true;
     }
   };
 
-  /// A path of one of a block's pixels, before it is followed.
-  struct Start {
-    Path path;
-    Vec2 offset;
-    size_t pixel;
+  /// Samples that are taken at once, and memory for their paths: kept from block to block.
+  struct Batch {
+    std::vector<Sample> samples;
+    std::vector<uint32_t> order, begin, next; ///< the samples' indices by parts, where each part begins, and where it goes on
+    std::vector<Path> paths;
+    std::vector<Ray> rays; ///< of the paths, as they left the camera
+
+    /// Sorts the samples by what `part` of `count` each belongs to; in a part they stay in order.
+    template <class Part>
+    void sort(size_t count, const Part& part) {
+      begin.assign(count + 1, 0), order.resize(samples.size());
+      for (const Sample& s : samples) ++begin[part(s) + 1];
+      std::partial_sum(begin.begin(), begin.end(), begin.begin());
+      next = begin;
+      for (uint32_t i = 0; i < samples.size(); ++i) order[next[part(samples[i])]++] = i;
+    }
   };
 
   /// Pixels side by side. Where things move, paths that share a packet had better see nearly the same moment: so several
   /// samples of each pixel are taken at once, traced by their times, and added as they came. What shares a packet does not
   /// show.
-  void block(const PixelBox& box, TileTally& tally) {
+  void block(const PixelBox& box, Batch& batch, TileTally& tally) {
     std::array<PixelTally, k_block * k_block> pixels;
-    std::vector<Start> starts;
-    std::vector<std::vector<Start*>> moments(static_cast<size_t>(batch_));
-    std::vector<Path> paths;
-    starts.reserve(pixels.size() * static_cast<size_t>(batch_)), paths.reserve(pixels.size());
     const int spp = frame_.film.spp;
     for (int first = 0; first < spp; first += batch_) {
-      starts.clear();
-      for (auto& moment : moments) moment.clear();
-      for (int s = first; s < std::min(first + batch_, spp); ++s)
-        for (int y = box.y0; y < box.y1; ++y)
-          for (int x = box.x0; x < box.x1; ++x) {
-            Start& from = starts.emplace_back(start(x, y, s, starts.size() % box.area()));
-            moments[static_cast<size_t>(from.path.ray.time * static_cast<float>(batch_))].push_back(&from);
-          }
+      const int end = std::min(first + batch_, spp);
+      batch.samples.clear();
+      for (uint32_t i = 0; i < box.area(); ++i) take_samples(place(box, i), i, first, end, batch.samples);
       // The sampler puts one sample of a pixel into each moment; in the last batch it may be more.
-      for (const std::vector<Start*>& moment : moments)
-        for (size_t i = 0; i < moment.size(); i += pixels.size()) {
-          const std::span<Start* const> from = std::span(moment).subspan(i, std::min(pixels.size(), moment.size() - i));
-          paths.clear();
-          for (const Start* s : from) paths.push_back(s->path);
-          trace(paths, from, pixels, tally.rays);
-          for (size_t j = 0; j < paths.size(); ++j) from[j]->path.result = paths[j].result;
-        }
-      for (Start& s : starts) add(s, box, pixels, tally);
+      const auto parts = static_cast<size_t>(batch_);
+      if (is_exposed_)
+        batch.sort(parts, [&](const Sample& s) { return static_cast<size_t>(s.time * static_cast<float>(parts)); });
+      else
+        batch.sort(parts, [&](const Sample& s) { return static_cast<size_t>(s.number - first); });
+      for (size_t part = 0; part < parts; ++part)
+        for (size_t i = batch.begin[part]; i < batch.begin[part + 1]; i += k_packet)
+          follow(std::span(batch.order).subspan(i, std::min(k_packet, batch.begin[part + 1] - i)), box, batch, pixels, tally);
+      for (const Sample& s : batch.samples) pixels[s.pixel].add(s);
     }
     for (size_t i = 0; i < box.area(); ++i) store(out_.image.index(place(box, i).x, place(box, i).y), pixels[i]);
   }
 
-  void add(Start& from, const PixelBox& box, std::span<PixelTally> pixels, TileTally& tally) const {
-    PathResult& path = from.path.result;
-    if (!is_finite(path.radiance)) {
-      ++tally.nonfinite, tally.where = place(box, from.pixel);
-      path.radiance = Vec3(0);
+  /// Follows the paths of some samples, at most a packet.
+  void follow(std::span<const uint32_t> indices, const PixelBox& box, Batch& batch, std::span<PixelTally> pixels, TileTally& tally) const {
+    batch.paths.clear(), batch.rays.clear();
+    for (const uint32_t i : indices) {
+      const Sample& s = batch.samples[i];
+      batch.paths.emplace_back(camera_ray(s, place(box, s.pixel)), s.sampler);
+      batch.rays.push_back(batch.paths.back().ray);
     }
-    pixels[from.pixel].add(path, from.offset, from.path.ray);
+    trace(indices, batch, pixels, tally.rays);
+    for (size_t j = 0; j < indices.size(); ++j) {
+      Sample& s = batch.samples[indices[j]];
+      PathResult& result = batch.paths[j].result;
+      if (!is_finite(result.radiance)) {
+        ++tally.nonfinite, tally.where = place(box, s.pixel);
+        result.radiance = Vec3(0);
+      }
+      s.radiance = result.radiance, s.albedo = result.albedo, s.is_hit = result.is_hit;
+      PixelTally& pixel = pixels[s.pixel];
+      if (pixel.is_central(s)) pixel.central = result, pixel.central_ray = batch.rays[j];
+    }
   }
 
   /// For `cost` one by one: what a path evaluates in a packet depends on the others. What it finds does not.
-  void trace(std::span<Path> paths, std::span<Start* const> from, std::span<PixelTally> pixels, RayCounters& counters) const {
+  void trace(std::span<const uint32_t> indices, Batch& batch, std::span<PixelTally> pixels, RayCounters& counters) const {
+    const std::span<Path> paths = batch.paths;
     if (!channels_.cost) return paths_.trace(paths, counters);
     for (size_t i = 0; i < paths.size(); ++i) {
       const uint64_t before = counters.solve.total().evaluations;
       paths_.trace(paths.subspan(i, 1), counters);
-      pixels[from[i]->pixel].evaluations += counters.solve.total().evaluations - before;
+      pixels[batch.samples[indices[i]].pixel].evaluations += counters.solve.total().evaluations - before;
     }
   }
 
@@ -166,16 +201,24 @@ private:
     return {box.x0 + n % box.width(), box.y0 + n / box.width()};
   }
 
-  Start start(int x, int y, int sample, size_t pixel) const {
-    Sampler sampler(static_cast<uint32_t>(x), static_cast<uint32_t>(y), frame_number_, static_cast<uint32_t>(sample));
-    const Vec2 offset = filter_.offset(sampler.next_pair());
-    const Vec2 lens = frame_.camera.aperture > 0 ? sampler.next_pair() : Vec2(0);
-    const float time = is_exposed_ ? sampler.next() : 0;
-    const CameraRays camera = camera_.at(time);
-    Ray ray = camera.through(Vec2(x + 0.5f, y + 0.5f) + offset, lens);
-    ray.time = time;
-    ray.inside = surroundings_.shapes_around(camera.position(), time);
-    return {{ray, sampler}, offset, pixel};
+  /// Side by side, so that what they share of a pixel's pattern is computed once.
+  void take_samples(Vec2i at, uint32_t pixel, int first, int end, std::vector<Sample>& out) const {
+    const bool has_lens = frame_.camera.aperture > 0;
+    for (int number = first; number < end; ++number) {
+      Sampler sampler(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y), frame_number_, static_cast<uint32_t>(number));
+      const Vec2 offset = filter_.offset(sampler.next_pair());
+      const Vec2 lens = has_lens ? sampler.next_pair() : Vec2(0);
+      const float time = is_exposed_ ? sampler.next() : 0;
+      out.push_back({sampler, offset, lens, time, pixel, number});
+    }
+  }
+
+  Ray camera_ray(const Sample& s, Vec2i place) const {
+    const CameraRays camera = camera_.at(s.time);
+    Ray ray = camera.through(Vec2(place) + Vec2(0.5f) + s.offset, s.lens);
+    ray.time = s.time;
+    ray.inside = surroundings_.shapes_around(camera.position(), s.time);
+    return ray;
   }
 
   void store(size_t i, const PixelTally& pixel) const {
@@ -209,9 +252,8 @@ private:
   }
 
   /// Powers of two: there the sampler puts one sample into each equal part of time.
-  static int samples_at_once(int spp, size_t slabs, bool is_exposed) {
-    const uint32_t moments = is_exposed ? std::min(k_most_moments, std::bit_floor(static_cast<uint32_t>(spp))) : 1;
-    return static_cast<int>(std::max(moments, static_cast<uint32_t>(slabs)));
+  static int samples_at_once(int spp, size_t slabs) {
+    return static_cast<int>(std::max(std::min(k_most_at_once, std::bit_floor(static_cast<uint32_t>(spp))), static_cast<uint32_t>(slabs)));
   }
 
   static bool is_finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
@@ -227,7 +269,7 @@ private:
   Surroundings surroundings_; ///< of the camera
   uint32_t frame_number_;
   bool is_exposed_; ///< rays have times
-  int batch_;       ///< samples of a pixel that are taken at once, and moments by which they go: a multiple of the slabs of time
+  int batch_;       ///< samples of a pixel that are taken at once, and moments by which they go: at least the slabs of time
   std::mutex mutex_;
 };
 
