@@ -34,7 +34,8 @@ void check(const std::string& path, const RenderOptions& options) {
   std::string report = fmt::format("{}: good\n", path);
   report += fmt::format("picture   {} frame{}, {}x{}, {} samples per pixel, {} bounces\n", frames.size(), frames.size() == 1 ? "" : "s",
                         scene.film.resolution.x, scene.film.resolution.y, scene.film.spp, scene.film.bounces);
-  report += fmt::format("shapes    {}, of up to {} elements in {} cells\n", scene.shapes.size(), f.elements, f.cells);
+  report += fmt::format("shapes    {}, of up to {} element{} in {} cell{}\n", scene.shapes.size(), f.elements, f.elements == 1 ? "" : "s",
+                        f.cells, f.cells == 1 ? "" : "s");
   if (!scene.parts.empty()) report += fmt::format("parts     {}\n", scene.parts.size());
   report +=
       fmt::format("time      about {:.3g} s a frame on {} thread{} ({:.3g} s of CPU); {} in all\n", f.wall_s_per_frame, threads,

@@ -104,11 +104,14 @@ void add_liquid(CLI::App& app) {
   command.add_option("--from-up", options->from_up, "the direction that is up in the first mesh")->check(is_axis)->capture_default_str();
   command.add_option("--to-up", options->to_up, "the direction that is up in the second mesh")->check(is_axis)->capture_default_str();
   command.add_option("--surface", options->surface, "what it is made of")->check(CLI::IsMember(surface_names()))->capture_default_str();
-  command.add_option("--save-scene", options->save_scene, "write the scene to edit, and its clouds beside it; rendered as well only where -o says so");
+  command.add_option("--save-scene", options->save_scene,
+                     "write the scene to edit, and its clouds beside it; rendered as well only where -o says so");
   add_render_options(command, options->render);
-  command.footer("Examples:\n"
-                 "  kelpie liquid bunny.obj armadillo.obj -f 1-96 -o 'out/flow.####.exr'\n"
-                 "  kelpie liquid drop.ply dino.off --to-up +z --save-scene flow.json");
+  command.footer(
+      "Examples:\n"
+      "  kelpie liquid bunny.obj armadillo.obj -f 1-96 -o 'out/flow.####.exr'\n"
+      "  kelpie liquid drop.ply dino.off --to-up +z --save-scene flow.json\n"
+      "The morph lasts from the first to the last of the frames; to render some of them only, save the scene, or --skip-existing.");
   command.callback([options, &command] {
     options->no_cache = command.count("--no-cache") > 0;
     liquid(*options);

@@ -1,6 +1,7 @@
 #include "renderer/check_surfaces.h"
 
 #include <array>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -24,6 +25,27 @@ struct Moment {
   SampledShape shape;
 };
 
+/// Finds the node that one of SampledField::nodes was sampled from: in the order of `sample`.
+class NodeFinder {
+public:
+  explicit NodeFinder(size_t index) : left_(index) {}
+
+  /// Null where the tree has fewer nodes.
+  const FieldNode* find(const FieldNode& node, double time_offset = 0) {
+    const FieldNode* found = nullptr;
+    for_each_child(node, [&](const FieldPtr& child) { found = found ? found : find(*child, time_offset); });
+    if (const auto* instance = std::get_if<Instance<AnimatedMode>>(&node.kind); instance && !found)
+      if (const double offset = time_offset + instance->time_offset; parts_.emplace(instance->child.get(), offset).second)
+        found = find(*instance->child, offset);
+    if (found) return found;
+    return left_-- == 0 ? &node : nullptr;
+  }
+
+private:
+  size_t left_; ///< nodes before it
+  std::set<std::pair<const FieldNode*, double>> parts_;
+};
+
 class ShapeCheck {
 public:
   ShapeCheck(const Scene& scene, const Shape& shape, std::span<const int> frames, int64_t work)
@@ -31,14 +53,14 @@ public:
     alone_.shapes = {shape};
   }
 
-  /// What there is to warn of; nothing for most shapes.
-  std::string run() {
+  /// What there is to warn of, and where; no message for most shapes.
+  Problem run() {
     // What comes and goes is likely to be there in the middle.
     for (const size_t i : k_looks)
       if (!is_nothing_in(look(i))) return at_threshold();
     for (const int frame : frames_)
       if (!is_nothing_in(frame)) return {};
-    return nothing();
+    return {shape_.where, nothing()};
   }
 
   int64_t work_left() const { return work_; }
@@ -49,9 +71,9 @@ private:
   int look(size_t i) const { return frames_[i * (frames_.size() - 1) / 2]; }
 
   bool is_nothing_in(double frame) {
-    const FrameScene at = sample(alone_, frame);
+    FrameScene at = sample(alone_, frame);
     const Exposure exposure = at.exposure();
-    if (!is_nothing(at)) return false;
+    if (!is_nothing(std::move(at))) return false;
     if (exposure.length == 0) return true;
     return is_nothing(sample(alone_, exposure.start)) && is_nothing(sample(alone_, exposure.frame_at(1)));
   }
@@ -90,16 +112,19 @@ private:
   }
 
   /// Of a shape that has a surface in the frame that was looked at last.
-  std::string at_threshold() const {
+  Problem at_threshold() const {
     for (const size_t i : k_looks) {
-      if (at_threshold_.empty()) return {};
+      if (!at_threshold_) return {};
       const FrameScene at = sample(alone_, look(i));
-      if (skeleton_at_threshold(compile(at.shapes[0].field, at.shapes[0].threshold)).empty()) return {};
+      if (!skeleton_at_threshold(compile(at.shapes[0].field, at.shapes[0].threshold))) return {};
     }
-    return fmt::format(
-        "shape {} has a skeleton ({}) without a surface of its own: its field only reaches the threshold (raise \"weight\", or "
-        "lower \"threshold\")",
-        in_quotes(shape_.name), at_threshold_);
+    const FieldNode* node = NodeFinder(*at_threshold_).find(*shape_.field);
+    if (!node) return {};
+    const std::string_view name = std::visit([](const auto& kind) { return kind.k_name; }, node->kind);
+    return {node->where,
+            fmt::format("this {} of shape {} has no surface of its own: its field only reaches the threshold (raise \"weight\", "
+                        "or lower \"threshold\")",
+                        name, in_quotes(shape_.name))};
   }
 
   Scene alone_;
@@ -109,7 +134,7 @@ private:
   std::optional<Moment> best_;
   double peak_ = 0, peak_of_leaves_ = 0;
   bool is_constant_ = true;
-  std::string_view at_threshold_; ///< see skeleton_at_threshold
+  std::optional<size_t> at_threshold_; ///< see skeleton_at_threshold
 };
 
 } // namespace
@@ -120,7 +145,7 @@ void warn_of_missing_surfaces(const Scene& scene, std::span<const int> frames, D
     if (!shape.field || work <= 0) continue;
     const int64_t share = std::min(work, k_shape_work);
     ShapeCheck check(scene, shape, frames, share);
-    if (const std::string problem = check.run(); !problem.empty()) diagnostics.warning(shape.where, problem);
+    if (Problem problem = check.run(); !problem.message.empty()) diagnostics.warning(problem.where, problem.message);
     work -= share - check.work_left();
   }
 }

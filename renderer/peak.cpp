@@ -123,6 +123,18 @@ bool is_bare(const FieldProgram& program, const Kind& kind, const Affine& world_
   return 4 * bare >= k_side * k_side * k_side;
 }
 
+/// The complex primitive that a node is a piece of; itself where it is none.
+size_t whole(const SampledField& field, size_t node) {
+  for (size_t i = 0; i <= field.root() && node > field.root(); ++i)
+    std::visit(
+        [&]<class K>(const K& kind) {
+          if constexpr (ComplexPrimitive<K>)
+            if (node - kind.expansion.first < kind.expansion.count) node = i;
+        },
+        field.nodes[i]);
+  return node;
+}
+
 } // namespace
 
 double peak_of_leaves(const FieldProgram& program) {
@@ -139,19 +151,19 @@ double peak_of_leaves(const FieldProgram& program) {
   return peak;
 }
 
-std::string_view skeleton_at_threshold(const FieldProgram& program) {
+std::optional<size_t> skeleton_at_threshold(const FieldProgram& program) {
   constexpr size_t k_most_skeletons = 16, k_most_steps = 20000; // together they bound the work
   const std::vector<Instruction>& steps = program.code.steps;
   size_t left = std::min(k_most_skeletons, k_most_steps / steps.size());
-  std::string_view found;
+  std::optional<size_t> found;
   for (const Instruction& step : steps) {
-    if (left == 0 || !found.empty()) break;
+    if (left == 0 || found) break;
     if (step.kind != Instruction::Kind::skeleton || !program.spaces[step.space].is_affine_in_world()) continue;
     visit_skeleton(program, step, [&]<class K>(const K& kind) {
       if constexpr (SolidSkeleton<K>) {
         if (std::abs(double(kind.weight) - program.threshold) > k_peak_margin * program.threshold) return;
         --left;
-        if (is_bare(program, kind, inverse(program.spaces[step.space].local_from_parent))) found = K::k_name;
+        if (is_bare(program, kind, inverse(program.spaces[step.space].local_from_parent))) found = whole(program.field, step.node);
       }
     });
   }

@@ -1,6 +1,8 @@
 // How large a field gets: whether it has a surface at all.
 #pragma once
 
+#include <optional>
+
 #include "renderer/program/program.h"
 
 namespace kelpie {
@@ -26,8 +28,8 @@ double peak_of(const FieldProgram&, int64_t& work);
 double peak_of_leaves(const FieldProgram&);
 
 /// A skeleton whose own potential is only the threshold, and which nothing adds to on much of it: there the field reaches the
-/// threshold, and no point is inside. Its name; empty if there is none. Looks at a few skeletons, of those that no warp bends, in
-/// a few places.
-std::string_view skeleton_at_threshold(const FieldProgram&);
+/// threshold, and no point is inside. The number of its node, or that of the complex primitive that it is a piece of. Looks at a
+/// few skeletons, of those that no warp bends, in a few places.
+std::optional<size_t> skeleton_at_threshold(const FieldProgram&);
 
 } // namespace kelpie

@@ -124,18 +124,31 @@ TEST_F(MissingSurfaces, OfSingleSkeletonsAreSaidWhereNothingAddsToThem) {
                            {{ "kind": "point", "centre": [0, 0, 0], "radius": 1.5, "weight": 2 }}{} ] }})",
         operation, to, weight, more);
   };
-  const std::string said =
-      "scene.json:3:1: shape \"a\" has a skeleton (segment) without a surface of its own: its field only reaches the threshold "
-      "(raise \"weight\", or lower \"threshold\")\n";
-  EXPECT_EQ(warnings(joined("blend", "1", 8, "")), said);
-  EXPECT_EQ(warnings(joined("union", "1", 8, "")), said);
+  const auto said = [](int column) {
+    return fmt::format(
+        "scene.json:3:{}: this segment of shape \"a\" has no surface of its own: its field only reaches the threshold (raise "
+        "\"weight\", or lower \"threshold\")\n",
+        column);
+  };
+  EXPECT_EQ(warnings(joined("blend", "1", 8, "")), said(58));
+  EXPECT_EQ(warnings(joined("union", "1", 8, "")), said(58));
   EXPECT_EQ(warnings(joined("union", "1.1", 8, "")), "");
   EXPECT_EQ(warnings(joined("blend", "1", 1.2, "")), ""); // the point reaches all of it
   EXPECT_EQ(warnings(joined("blend", "0.8", 8, "")), ""); // known to be weak: it only adds to others
   EXPECT_EQ(warnings(joined("union", "{ \"keys\": [[1, 1], [5, 2]] }", 8, ""), "", 5), "");
   EXPECT_EQ(warnings(fmt::format(R"({{ "kind": "rotate", "angle": 40, "axis": [1, 2, 3], "centre": [5, 0, 2], "child": {} }})",
                                  joined("union", "1", 8, ""))),
-            said);
+            said(140));
+  // In the part, whoever uses it, after parts that are used twice; and what complex primitives become is not spoken of.
+  const std::string parts = R"("parts": { "ball": { "kind": "point", "centre": [0, 0, 0], "radius": 1, "weight": 2 },
+"limb": { "kind": "generalized_cylinder", "points": [[0, 0, 0], [3, 1, 0]], "radius": 0.3 } }, "film": { "spp": 4 },)";
+  EXPECT_EQ(
+      warnings(
+          R"({ "kind": "union", "children": [ { "kind": "instance", "of": "ball" }, { "kind": "instance", "of": "ball", "position": [0, 2, 0] },
+ { "kind": "instance", "of": "limb" } ] })",
+          parts),
+      "scene.json:2:9: this generalized_cylinder of shape \"a\" has no surface of its own: its field only reaches the threshold (raise "
+      "\"weight\", or lower \"threshold\")\n");
 }
 
 TEST_F(MissingSurfaces, AreFoundBelowInstancesAndWarps) {
