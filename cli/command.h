@@ -29,6 +29,9 @@ void add_view(CLI::App&);
 /// Prints `warning: …` lines to stderr.
 void print_warnings(const Diagnostics&);
 
+/// For options that name a file to write: refuses names that end as another format's do. What has no such ending is fine.
+CLI::Validator ends_in(const std::string& ending);
+
 /// Writes a result to stdout. Throws Error cannot_write where it cannot be written.
 void print_result(std::string_view);
 

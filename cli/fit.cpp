@@ -65,7 +65,9 @@ void add_fit(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("fit", "fit blobs to a mesh");
   auto options = std::make_shared<Options>();
   command.add_option("MESH", options->mesh, "an OBJ, PLY, OFF or STL file")->required();
-  command.add_option("-o,--output", options->output, "the cloud: a PLY file of vertices x y z radius weight")->required();
+  command.add_option("-o,--output", options->output, "the cloud: a PLY file of vertices x y z radius weight")
+      ->required()
+      ->check(ends_in(".ply"));
   add_fit_options(command, *options);
   command.add_flag("--no-cache", options->no_cache, "fit anew, and keep nothing in ~/.cache/kelpie");
   command.add_option("-j,--threads", options->threads, "accepted everywhere; a fit takes one thread")->check(CLI::Range(0, 4096));

@@ -3,11 +3,13 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 
 #include "cli/command.h"
+#include "cli/film_options.h"
 #include "cli/fit_options.h"
 #include "cli/liquid_scene.h"
 #include "cli/render.h"
@@ -45,6 +47,14 @@ private:
 
 std::string stem_of(const std::string& path) { return std::filesystem::path(path).stem().string(); }
 
+/// Usage errors come before minutes of work.
+void check_usage(const RenderOptions& o, const LiquidSceneOptions& scene) {
+  Film<AnimatedMode> film;
+  apply_film_options(o, film);
+  if (o.output.empty()) return;
+  require_numbered(FramePattern(o.output), parse_frames(o.frames.value_or(fmt::format("{}-{}", scene.first, scene.last))));
+}
+
 /// The frames asked for span the morph; a single one is a frame of the usual length.
 LiquidSceneOptions scene_options(const Options& o) {
   LiquidSceneOptions s;
@@ -68,7 +78,8 @@ void fit_both(const Options& o, BlobCloud& from, BlobCloud& to) {
 }
 
 void liquid(const Options& o) {
-  const LiquidSceneOptions options = scene_options(o); // usage errors come before minutes of work
+  const LiquidSceneOptions options = scene_options(o);
+  check_usage(o.render, options);
   BlobCloud from, to;
   fit_both(o, from, to);
   from = turned_upright(std::move(from), o.from_up), to = turned_upright(std::move(to), o.to_up);
@@ -104,8 +115,10 @@ void add_liquid(CLI::App& app) {
   command.add_option("--from-up", options->from_up, "the direction that is up in the first mesh")->check(is_axis)->capture_default_str();
   command.add_option("--to-up", options->to_up, "the direction that is up in the second mesh")->check(is_axis)->capture_default_str();
   command.add_option("--surface", options->surface, "what it is made of")->check(CLI::IsMember(surface_names()))->capture_default_str();
-  command.add_option("--save-scene", options->save_scene,
-                     "write the scene to edit, and its clouds beside it; rendered as well only where -o says so");
+  command
+      .add_option("--save-scene", options->save_scene,
+                  "write the scene to edit, and its clouds beside it; rendered as well only where -o says so")
+      ->check(ends_in(".json"));
   add_render_options(command, options->render);
   command.footer(
       "Examples:\n"

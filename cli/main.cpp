@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <new>
 
 #include <fmt/format.h>
@@ -16,6 +18,16 @@ namespace kelpie {
 
 void print_warnings(const Diagnostics& diagnostics) {
   for (const Problem& p : diagnostics.warnings()) fmt::print(stderr, "warning: {}\n", to_string(p));
+}
+
+CLI::Validator ends_in(const std::string& ending) {
+  const auto problem = [=](std::string& name) -> std::string {
+    std::string found = std::filesystem::path(name).extension().string();
+    std::transform(found.begin(), found.end(), found.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const bool is_format = std::any_of(found.begin(), found.end(), [](unsigned char c) { return std::isalpha(c) != 0; });
+    return is_format && found != ending ? fmt::format("{} is written here: \"{}\" must end in {}", ending.substr(1), name, ending) : "";
+  };
+  return {problem, ""};
 }
 
 void print_result(std::string_view text) {

@@ -105,7 +105,8 @@ void stop_gently_on_signals() {
 
 void add_render_options(CLI::App& command, RenderOptions& o) {
   command.add_option("-f,--frames", o.frames, "frames to render: 12, 1-96, 1-96x2 (every second), 1-48,96 [all of the scene]");
-  command.add_option("-o,--output", o.output, "where they go, with a place for the frame number: 'out/name.####.exr' [NAME.####.exr]");
+  command.add_option("-o,--output", o.output, "where they go, with a place for the frame number: 'out/name.####.exr' [NAME.####.exr]")
+      ->check(ends_in(".exr"));
   add_film_options(command, o);
   command.add_option("-j,--threads", o.threads, "threads to use [all cores]")->check(CLI::Range(0, 4096));
   command.add_flag("--skip-existing", o.skip_existing, "keep frames that exist, are whole, and are of this very scene");

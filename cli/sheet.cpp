@@ -83,7 +83,7 @@ Examples:
 Quote a pattern, so that the shell leaves its # alone.)");
   command->add_option("inputs", options->inputs, "a pattern for numbered frames, or files")->required()->option_text("FRAMES...");
   command->add_option("-f,--frames", options->frames, "frames of the pattern: 12, 1-96, 1-96x8 [all there are]")->option_text("RANGES");
-  command->add_option("-o,--output", options->output, "the picture to write")->required()->option_text("SHEET.png");
+  command->add_option("-o,--output", options->output, "the picture to write")->required()->check(ends_in(".png"))->option_text("SHEET.png");
   command->add_option("--columns", options->columns, "frames side by side [so that the sheet fits a screen]")
       ->check(CLI::Range(1, 10000))
       ->option_text("N");

@@ -107,6 +107,26 @@ TEST_F(WrongInput, Meshes) {
   expect("fit none.obj -o a.ply", 66, "error: none.obj: cannot read: No such file or directory\n");
 }
 
+// Nobody looks for an EXR in a file that is called PNG; and what is wrong is said before there is work.
+TEST_F(WrongInput, NamesOfOutputsEndAsTheirFormatsDo) {
+  write("scene.json", k_good);
+  expect("render scene.json -o 'a.####.png'", 2, "error: --output: exr is written here: \"a.####.png\" must end in .exr\n");
+  expect("view none.exr -o a.jpg", 2, "error: --output: png is written here: \"a.jpg\" must end in .png\n");
+  expect("sheet none.exr -o a.exr", 2, "error: --output: png is written here: \"a.exr\" must end in .png\n");
+  expect("fit none.obj -o a.obj", 2, "error: --output: ply is written here: \"a.obj\" must end in .ply\n");
+  expect("liquid none.obj none.obj --save-scene a.ply", 2, "error: --save-scene: json is written here: \"a.ply\" must end in .json\n");
+  EXPECT_EQ(kelpie("render scene.json -f 1 -o 'a.####'").status, 0);
+  EXPECT_EQ(kelpie("render scene.json -f 1 -o a.EXR").status, 0);
+}
+
+TEST_F(WrongInput, OfTheMorphIsSaidBeforeTheFit) {
+  write("mesh.off", k_tetrahedron);
+  expect("liquid mesh.off mesh.off -o a.exr", 2,
+         "error: 96 frames cannot all be written to a.exr; put #### where the frame number belongs, as in name.####.exr\n");
+  expect("liquid mesh.off mesh.off --res 5 -o 'a.####.exr'", 2,
+         "error: --res 5: expected WIDTHxHEIGHT (up to 65536) or a percentage, as in 1280x720 or 50%\n");
+}
+
 // A mesh that can be mended is used, with a warning that says what was done.
 TEST_F(WrongInput, AMeshThatCanBeMendedIsUsed) {
   std::string inward = k_tetrahedron;
