@@ -21,6 +21,11 @@ size_t edit_distance(std::string_view a, std::string_view b) {
     }
   return d[a.size()][b.size()];
 }
+
+/// Whether `name` has `word` among its words, which stand between underscores.
+bool has_word(std::string_view name, std::string_view word) {
+  return fmt::format("_{}_", name).find(fmt::format("_{}_", word)) != std::string::npos;
+}
 } // namespace
 
 std::string_view nearest_name(std::string_view typed, std::span<const std::string_view> known) {
@@ -29,6 +34,9 @@ std::string_view nearest_name(std::string_view typed, std::span<const std::strin
   size_t best_distance = std::max<size_t>(1, typed.size() / 3) + 1;
   for (std::string_view name : known)
     if (const size_t d = edit_distance(typed, name); d < best_distance) best = name, best_distance = d;
+  if (!best.empty() || typed.empty()) return best;
+  for (std::string_view name : known)
+    if (has_word(name, typed) && (best.empty() || name.size() < best.size())) best = name;
   return best;
 }
 

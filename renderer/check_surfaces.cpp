@@ -94,7 +94,7 @@ private:
     is_constant_ = !best_;
     if (!best_ || peak / shape.threshold > peak_ / best_->shape.threshold) {
       best_ = {at.frame, std::move(shape)};
-      peak_ = peak, peak_of_leaves_ = peak_of_leaves(program);
+      peak_ = peak, weakest_leaf_ = peak_of_weakest_leaf(program);
     }
     return true;
   }
@@ -107,8 +107,8 @@ private:
     if (!(peak > 0)) return text + "its field is nowhere above 0";
     text += fmt::format("its field is at most {:.3g}{}, and its threshold is {:.3g}", peak,
                         is_constant_ ? "" : fmt::format(" (frame {:g})", best_->frame), threshold);
-    const bool are_leaves_weak = peak_of_leaves_ <= threshold * (1 + k_peak_margin);
-    return text + (are_leaves_weak ? " (raise \"weight\", or lower \"threshold\")" : "");
+    const bool is_weak = weakest_leaf_ <= threshold * (1 + k_peak_margin);
+    return text + (is_weak ? " (raise \"weight\", or lower \"threshold\")" : "");
   }
 
   /// Of a shape that has a surface in the frame that was looked at last.
@@ -132,7 +132,7 @@ private:
   std::span<const int> frames_;
   int64_t work_;
   std::optional<Moment> best_;
-  double peak_ = 0, peak_of_leaves_ = 0;
+  double peak_ = 0, weakest_leaf_ = 0;
   bool is_constant_ = true;
   std::optional<size_t> at_threshold_; ///< see skeleton_at_threshold
 };

@@ -1,6 +1,7 @@
 #include "renderer/peak.h"
 
 #include <cmath>
+#include <limits>
 #include <queue>
 
 #include "renderer/program/bound.h"
@@ -137,18 +138,21 @@ size_t whole(const SampledField& field, size_t node) {
 
 } // namespace
 
-double peak_of_leaves(const FieldProgram& program) {
-  double peak = 0;
-  for (size_t i = 0; i < program.blobs.size(); ++i) peak = std::max(peak, double(program.blobs.a[i]) + double(program.blobs.b[i]));
+double peak_of_weakest_leaf(const FieldProgram& program) {
+  double least = std::numeric_limits<double>::infinity();
+  const auto add = [&](double peak) {
+    if (peak > 0) least = std::min(least, peak);
+  };
+  for (size_t i = 0; i < program.blobs.size(); ++i) add(double(program.blobs.a[i]) + double(program.blobs.b[i]));
   for (const Instruction& step : program.code.steps)
     if (step.kind == Instruction::Kind::skeleton)
       visit_skeleton(program, step, [&]<class K>(const K& kind) {
         double most = double(kind.weight) * potential_unit(kind, program.threshold);
         if constexpr (SignedDistance<K>)
           if (kind.is_in_thresholds()) most *= 2; // deep inside
-        peak = std::max(peak, most);
+        add(most);
       });
-  return peak;
+  return least;
 }
 
 std::optional<size_t> skeleton_at_threshold(const FieldProgram& program) {

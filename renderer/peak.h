@@ -24,8 +24,8 @@ Surface find_surface(const FieldProgram&, int64_t& work);
 /// An upper bound of a field everywhere, in the same way: within 1e-4 of its largest value, if the work suffices.
 double peak_of(const FieldProgram&, int64_t& work);
 
-/// The largest potential that a single leaf of the program may have by itself; 0 if there is none above.
-double peak_of_leaves(const FieldProgram&);
+/// What a leaf of the program may have by itself at most: the least of all leaves of which that is above 0; infinite if there is none.
+double peak_of_weakest_leaf(const FieldProgram&);
 
 /// A skeleton whose own potential is only the threshold, and which nothing adds to on much of it: there the field reaches the
 /// threshold, and no point is inside. The number of its node, or that of the complex primitive that it is a piece of. Looks at a

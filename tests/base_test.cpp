@@ -14,6 +14,12 @@ TEST(Suggest, FindsTheNearestNameAndListsWhenNoneIsNear) {
   const std::array<std::string_view, 3> known{"radius", "weight", "centre"};
   EXPECT_EQ(suggestion("raduis", known), " (did you mean \"radius\"?)");
   EXPECT_EQ(suggestion("colour", known), "; known: radius, weight, centre");
+  const std::vector<std::string_view> kinds{"cone_sphere", "sdf_sphere", "spheres"};
+  EXPECT_EQ(nearest_name("sphere", kinds), "spheres");
+  EXPECT_EQ(nearest_name("cone", kinds), "cone_sphere");
+  EXPECT_EQ(nearest_name("sphere", {kinds.data(), 2}), "sdf_sphere");
+  EXPECT_EQ(nearest_name("sph", {kinds.data(), 2}), "");
+  EXPECT_EQ(nearest_name("", kinds), "");
 }
 
 TEST(Animated, LinearStepAndEnds) {

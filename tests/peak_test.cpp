@@ -75,6 +75,9 @@ TEST_F(MissingSurfaces, AreToldFromWhatOperatorsLeave) {
   const std::string left = warnings(R"({ "kind": "difference", "children": [)" + leaf + ", " + large + "] }");
   EXPECT_EQ(left.find("scene.json:3:1: shape \"a\" has no surface: its field is at most 0."), 0) << left;
   EXPECT_EQ(left.find("raise"), std::string::npos) << left;
+  const std::string plane = R"({ "kind": "sdf_plane", "point": [0, 0, 0] })",
+                    soft = R"({ "kind": "box", "centre": [0, 0, 0], "size": 1, "radius": 1 })";
+  EXPECT_EQ(warnings(R"({ "kind": "intersection", "children": [)" + plane + ", " + soft + "] }"), weak("1")); // one of them is weak
   const std::string far = R"({ "kind": "point", "centre": [9, 0, 0], "radius": 1, "weight": 2 })";
   EXPECT_EQ(warnings(R"({ "kind": "intersection", "children": [)" + leaf + ", " + far + "] }"),
             "scene.json:3:1: shape \"a\" has no surface: its field is nowhere above 0\n");
