@@ -34,6 +34,12 @@ std::optional<TreeStep::Kind> step_kind(const Kind& kind, Demand demand) {
   return {};
 }
 
+/// Of the potential without its sign: where 15 b q^2 + (6 a - 12 b) q - 4 a is largest in [0, 1], or 1 if that is concave nowhere.
+float crest(double a, double b) {
+  const bool is_concave = a + b > 0 ? b < 0 : b > 0;
+  return is_concave ? static_cast<float>(std::clamp(0.4 - 0.2 * a / b, 0.0, 1.0)) : 1;
+}
+
 /// g++ 12 makes nothing of Vec3d(Vec3(v)): it folds the conversions of two lanes at once, and drops the rounding.
 Vec3d rounded_to_float(const Vec3d& v) {
   Vec3d r;
@@ -195,7 +201,7 @@ private:
       const FalloffPolynomial f = polynomial(kind.falloff);
       const double weight = kind.weight;
       leaf.k = static_cast<float>(1 / square(double(kind.radius)));
-      leaf.a = static_cast<float>(weight * f.a), leaf.b = static_cast<float>(weight * f.b);
+      leaf.a = static_cast<float>(weight * f.a), leaf.b = static_cast<float>(weight * f.b), leaf.crest = crest(f.a, f.b);
       return add_solid(step.node, solid, place, leaf);
     });
     if (!is_known) return false;
@@ -344,7 +350,8 @@ private:
     leaf[leaf_s_low] = static_cast<float>(-nearest), leaf[leaf_s_high] = static_cast<float>(profile.length - nearest);
     leaf[leaf_r] = static_cast<float>(profile.first - profile.sine * nearest), leaf[leaf_sine] = static_cast<float>(profile.sine);
     leaf[leaf_slope] = static_cast<float>(slope);
-    leaf[leaf_k] = static_cast<float>(k), leaf[leaf_a] = static_cast<float>(a), leaf[leaf_b] = static_cast<float>(b);
+    leaf[leaf_k] = static_cast<float>(k), leaf[leaf_a] = static_cast<float>(a), leaf[leaf_b] = static_cast<float>(b),
+    leaf[leaf_crest] = crest(a, b);
     leaf[leaf_sign] = (a + b < 0) == is_subtracted ? 1.f : -1.f;
     leaf[leaf_space] = static_cast<float>(base.slot), leaf[leaf_drift] = static_cast<float>(base.turning * stretch(linear));
     leaf[leaf_bending] = static_cast<float>(base.bending * stretch(linear));

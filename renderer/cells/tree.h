@@ -77,6 +77,7 @@ enum LeafRow : uint32_t {
   leaf_k,
   leaf_a,
   leaf_b,
+  leaf_crest,   ///< the q, up to 1, where the potential bends down most (tree_leaf-inl.h)
   leaf_sign,    ///< 1 where the field rises with nearness to the leaf, -1 where it falls
   leaf_space,   ///< 0: the world; i + 1: TreeView::spaces[i]
   leaf_drift,   ///< within the cell, from its tangent at a place h away a ray parts by no more than this times h…
@@ -109,7 +110,7 @@ struct SolidLeaf {
   bool is_convex;
   uint32_t first_part, part_count; ///< into Solids::parts
   float growth;                    ///< the solid is all that is nearer than this
-  float k, a, b;
+  float k, a, b, crest;
   float sign, drift, bending;               ///< as leaf_sign, leaf_drift, leaf_bending
   uint32_t slot;                            ///< as leaf_space
   float end_x, end_y;                       ///< of an arc: its end, on the side y >= 0 of the frame

@@ -20,7 +20,10 @@ inline V divide(V a, V length) { return hn::Div(a, hn::Max(length, set(1e-30f)))
 
 /// The distance to a solid around a place: there, and its bounds on a stretch.
 struct SolidRange {
-  V distance, least, most;
+  V distance;
+  Line near, far;
+
+  void set_near(V middle, V rise) { near = {hn::Sub(middle, rise), hn::Add(middle, rise)}; }
 };
 
 /// A solid seen from places of the lanes in the leaf's base (TreeView::spaces, or the world).
@@ -50,18 +53,18 @@ public:
     if (leaf_.form == SolidLeaf::Form::hull) {
       V rate;
       r.distance = hull(place, &velocity, &rate);
-      r.least = hn::NegMulAdd(hn::Add(hn::Abs(rate), drift), h, r.distance);
-      if (wants_most) r.most = hn::Max(distance(at_time(place, velocity, h)), distance(at_time(place, velocity, hn::Neg(h))));
+      r.set_near(hn::NegMulAdd(drift, h, r.distance), hn::Mul(rate, h));
+      if (wants_most) r.far = {distance(at_time(place, velocity, hn::Neg(h))), distance(at_time(place, velocity, h))};
     } else if (leaf_.form == SolidLeaf::Form::extruded) {
       const V3 p = in_frame(part(), place), v = rotated(part(), velocity), to = to_section(p);
       const V d = length(to);
       r.distance = grown(d);
-      r.least = hn::NegMulAdd(hn::Add(hn::Abs(divide(dot(to, v), d)), drift), h, r.distance);
-      if (wants_most) r.most = hn::Max(section_distance(at_time(p, v, h)), section_distance(at_time(p, v, hn::Neg(h))));
+      r.set_near(hn::NegMulAdd(drift, h, r.distance), hn::Mul(divide(dot(to, v), d), h));
+      if (wants_most) r.far = {section_distance(at_time(p, v, hn::Neg(h))), section_distance(at_time(p, v, h))};
     } else {
       return turned_range(in_frame(part(), place), rotated(part(), velocity), h, wants_most);
     }
-    if (wants_most) r.most = hn::MulAdd(drift, h, r.most);
+    if (wants_most) r.far = r.far + hn::Mul(drift, h);
     return r;
   }
 
@@ -174,19 +177,25 @@ private:
     if (wants_most || !leaf_.is_convex) bulge = hn::MulAdd(radius, set(1e-6f), hn::Max(hn::Max(parts_by(h), parts_by(back)), zero));
     SolidRange r;
     r.distance = grown(d);
-    r.least = hn::NegMulAdd(hn::Add(hn::Abs(divide(dot(to, flat_v), d)), drift), h, r.distance);
+    V middle = hn::NegMulAdd(drift, h, r.distance), rise = hn::Mul(divide(dot(to, flat_v), d), h);
     if (!leaf_.is_convex) {
       const V farthest = hn::Mul(hn::Add(length(v), drift), h);
       if (leaf_.form == SolidLeaf::Form::arc) r.distance = to_arc(p); // it is part of the circle: not nearer than that
-      r.least = hn::Max(hn::Sub(r.least, bulge), hn::Sub(r.distance, farthest));
+      middle = hn::Sub(middle, bulge);
+      const V by_speed = hn::Sub(r.distance, farthest);
+      const M is_far = hn::Gt(by_speed, hn::Sub(middle, hn::Abs(rise)));
+      middle = hn::IfThenElse(is_far, by_speed, middle), rise = hn::IfThenZeroElse(is_far, rise);
+    }
+    r.set_near(middle, rise);
+    if (!leaf_.is_convex) {
+      const V farthest = hn::Mul(hn::Add(length(v), drift), h);
       if (leaf_.form == SolidLeaf::Form::arc) {
-        r.most = hn::Add(r.distance, farthest);
+        r.far = {hn::Add(r.distance, farthest), hn::Add(r.distance, farthest)};
         return r;
       }
     }
     if (wants_most) {
-      const V ends = hn::Max(section_distance(at_time(flat, flat_v, h)), section_distance(at_time(flat, flat_v, back)));
-      r.most = hn::MulAdd(drift, h, hn::Add(ends, bulge));
+      r.far = Line{section_distance(at_time(flat, flat_v, back)), section_distance(at_time(flat, flat_v, h))} + hn::MulAdd(drift, h, bulge);
     }
     return r;
   }
@@ -208,9 +217,20 @@ inline Range solid_range(const Solids& solids, const SolidLeaf& leaf, bool wants
   const bool wants_nearest = is_positive ? wants_high : wants_low, wants_farthest = is_positive ? wants_low : wants_high;
   const SolidRange d = SolidView(solids, leaf).range(place, velocity, h, wants_farthest);
   Range r{solid_potential(leaf, d.distance), hn::Zero(k_lanes), hn::Zero(k_lanes)};
-  if (wants_nearest) (is_positive ? r.high : r.low) = solid_potential(leaf, d.least);
-  if (wants_farthest) (is_positive ? r.low : r.high) = solid_potential(leaf, d.most);
+  if (wants_nearest) (is_positive ? r.high : r.low) = solid_potential(leaf, d.near.least());
+  if (wants_farthest) (is_positive ? r.low : r.high) = solid_potential(leaf, d.far.most());
   return r;
+}
+
+/// As Slope's add_leaf, but for one solid.
+inline Slope solid_slope(const Solids& solids, const SolidLeaf& leaf, bool wants_low, const V3& place, const V3& velocity, V h) {
+  const bool is_positive = leaf.a + leaf.b > 0;
+  const SolidRange d = SolidView(solids, leaf).range(place, velocity, h, wants_low || !is_positive);
+  const V zero = hn::Zero(k_lanes);
+  Slope s{solid_potential(leaf, d.distance), {zero, zero}, {zero, zero}};
+  const auto far = [&] { return d.far; };
+  add_lines({set(leaf.k), set(leaf.a), set(leaf.b), set(leaf.crest)}, is_positive, wants_low, d.near, far, s);
+  return s;
 }
 
 } // namespace HWY_NAMESPACE

@@ -183,7 +183,7 @@ private:
     for (size_t i = 0; i < tree_.solids.leaves.size(); ++i) {
       const SolidLeaf& leaf = tree_.solids.leaves[i];
       const WarpedRay::Place at = place_in_base(leaf.slot, 0);
-      const V least = SolidView(tree_.solids, leaf).range(lanes_of(at.at), lanes_of(at.velocity), set(half), false).least;
+      const V least = SolidView(tree_.solids, leaf).range(lanes_of(at.at), lanes_of(at.velocity), set(half), false).near.least();
       ray_.solid_value[i] = hn::GetLane(solid_potential(leaf, least));
       ray_.is_solid_active[i] = ray_.solid_value[i] != 0;
       any |= ray_.is_solid_active[i] != 0;
@@ -486,6 +486,71 @@ bool SolveTree(const FieldProgram& program, const TreeView& tree, const Cell& ce
   return TreeSolver(program, tree, cell, ray, work, scratch).run(t);
 }
 
+/// Where a point is in the spaces of a tree, from their centres, and how gradients get from there to the world.
+class SpaceGradients {
+public:
+  SpaceGradients(const ShapeCells& shape, const TreeView& tree, const Cell& cell, const Vec3& place) : world_(place - cell.centre) {
+    if (tree.spaces.empty()) return;
+    const WarpedRay curves(shape.program, tree.spaces);
+    count_ = tree.spaces.size();
+    // The curves of the lines along x, y and z, as many at a time as there are lanes.
+    for (size_t first = 0; first < 3; first += k_width) {
+      const size_t axes = std::min<size_t>(k_width, 3 - first);
+      const auto by_points = [&](size_t i) {
+        CurveRows rows;
+        for (size_t j = 0; j < axes; ++j) rows.set_lane(j, curves.find(place, unit(first + j), 0, i));
+        return rows.curve();
+      };
+      CurveRows lines;
+      for (size_t j = 0; j < k_width; ++j) lines.set_lane(j, WarpedRay::Place{world_, unit(first + j)});
+      Curve found[k_tree_spaces];
+      find_curves(tree, lines.curve(), axes, by_points, found);
+      for (size_t i = 0; i < count_; ++i) {
+        const V3 &at = found[i].place, &by = found[i].velocity;
+        warped_[i].place = Vec3(hn::GetLane(at.x), hn::GetLane(at.y), hn::GetLane(at.z));
+        alignas(64) float rates[3][k_width];
+        hn::Store(by.x, k_lanes, rates[0]), hn::Store(by.y, k_lanes, rates[1]), hn::Store(by.z, k_lanes, rates[2]);
+        for (int c = 0; c < 3; ++c)
+          for (size_t j = 0; j < axes; ++j) warped_[i].gradients[c][static_cast<int>(first + j)] = rates[c][j];
+      }
+    }
+  }
+
+  /// In the spaces of leaves, by their numbers `leaf_space`.
+  V3 places(V slots) const {
+    V3 p{set(world_.x), set(world_.y), set(world_.z)};
+    for_each_space(slots, [&](M is_here, const Warped& w) { p = choose(is_here, vector(w.place), p); });
+    return p;
+  }
+  V3 in_world(V slots, const V3& g) const {
+    V3 all = g;
+    for_each_space(slots, [&](M is_here, const Warped& w) {
+      const V3 x = vector(w.gradients[0]), y = vector(w.gradients[1]), z = vector(w.gradients[2]);
+      const auto along = [&](V a, V b, V c) { return hn::MulAdd(g.x, a, hn::MulAdd(g.y, b, hn::Mul(g.z, c))); };
+      all = choose(is_here, {along(x.x, y.x, z.x), along(x.y, y.y, z.y), along(x.z, y.z, z.z)}, all);
+    });
+    return all;
+  }
+
+private:
+  struct Warped {
+    Vec3 place, gradients[3]; ///< of its coordinates
+  };
+  static Vec3 unit(size_t axis) { return Vec3(axis == 0, axis == 1, axis == 2); }
+  static V3 vector(const Vec3& v) { return {set(v.x), set(v.y), set(v.z)}; }
+  static V3 choose(M first, const V3& a, const V3& b) {
+    return {hn::IfThenElse(first, a.x, b.x), hn::IfThenElse(first, a.y, b.y), hn::IfThenElse(first, a.z, b.z)};
+  }
+  template <class Visit>
+  void for_each_space(V slots, const Visit& visit) const {
+    for (size_t i = 0; i < count_; ++i) visit(hn::Eq(slots, set(static_cast<float>(i + 1))), warped_[i]);
+  }
+
+  Vec3 world_;
+  Warped warped_[k_tree_spaces];
+  size_t count_ = 0;
+};
+
 /// Values and gradients of the leaves, a leaf a lane, then the operators.
 Vec3 TreeGradient(const ShapeCells& shape, const Cell& cell, const Vec3& place) {
   thread_local std::array<std::vector<float>, 4> leaves; // value, gradient
@@ -493,16 +558,12 @@ Vec3 TreeGradient(const ShapeCells& shape, const Cell& cell, const Vec3& place) 
   const size_t n = tree.leaf_count;
   for (auto& list : leaves)
     if (list.size() < n) list.resize(n);
-  const SpaceGradients spaces(shape.program, tree, cell, place);
-  alignas(64) float places[3][k_width] = {};
+  const SpaceGradients spaces(shape, tree, cell, place);
   for (size_t i = 0; i < n; i += k_width) {
     const auto row = [&](uint32_t r) { return hn::LoadU(k_lanes, tree.leaves + r * n + i); };
-    const bool is_known = tree.spaces.empty() && i > 0; // all of them are in the world
-    for (size_t j = 0; j < k_width && !is_known; ++j)
-      for (int c = 0; c < 3; ++c) places[c][j] = spaces.place(tree.row(leaf_space, i + j))[c];
+    const V slots = row(leaf_space);
     const Leaf leaf = Leaf::each(tree, i);
-    const Offset offset(leaf,
-                        place_in_frame(row, {hn::Load(k_lanes, places[0]), hn::Load(k_lanes, places[1]), hn::Load(k_lanes, places[2])}));
+    const Offset offset(leaf, place_in_frame(row, spaces.places(slots)));
     const V d = hn::Max(offset.distance(), hn::Zero(k_lanes));
     const V q = hn::Max(hn::NegMulAdd(leaf.k, hn::Mul(d, d), set(1)), hn::Zero(k_lanes));
     // d/dd of q^2 (a + b q) is -2 k d q (2 a + 3 b q).
@@ -513,8 +574,9 @@ Vec3 TreeGradient(const ShapeCells& shape, const Cell& cell, const Vec3& place) 
       return hn::Mul(factor,
                      hn::MulAdd(row(leaf_xx + c), offset.x, hn::MulAdd(row(leaf_yx + c), offset.y, hn::Mul(row(leaf_zx + c), offset.z))));
     };
+    const V3 g = spaces.in_world(slots, {component(0), component(1), component(2)});
     hn::StoreU(leaf.potential(hn::Mul(d, d)), k_lanes, &leaves[0][i]);
-    for (uint32_t c = 0; c < 3; ++c) hn::StoreU(component(c), k_lanes, &leaves[c + 1][i]);
+    hn::StoreU(g.x, k_lanes, &leaves[1][i]), hn::StoreU(g.y, k_lanes, &leaves[2][i]), hn::StoreU(g.z, k_lanes, &leaves[3][i]);
   }
 
   // The stack holds numbers of values: most steps choose one of two, and need not copy it.
@@ -543,7 +605,7 @@ Vec3 TreeGradient(const ShapeCells& shape, const Cell& cell, const Vec3& place) 
     FieldValue<Vec3d> sum;
     for (uint32_t i = step.first; i < step.first + step.count; ++i) {
       if (leaves[0][i] == 0) continue;
-      sum.f += leaves[0][i], sum.g += Vec3d(spaces.in_world(tree.row(leaf_space, i), Vec3(leaves[1][i], leaves[2][i], leaves[3][i])));
+      sum.f += leaves[0][i], sum.g += Vec3d(leaves[1][i], leaves[2][i], leaves[3][i]);
     }
     values[number] = sum;
   }

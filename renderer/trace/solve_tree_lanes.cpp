@@ -1,7 +1,7 @@
-// The solver for trees, for packets: lanes are rays. Each lane walks along its own segment (s in
-// [-h, h], centred) by stretches of its own length. A stretch is passed if the bound over it (solve_tree.cpp)
-// clears it; if not, a shorter one is tried. The secant of the last two places says where the surface may be, so
-// that stretches end just before it; the last one, shorter than any secondary ray's offset, steps over it.
+// The solver for trees, for packets: lanes are rays. Each lane walks along its own segment (s in [-h, h], centred) by
+// stretches of its own length. Over each the field has a line above it (tree_leaf-inl.h), which misses the field by the square
+// of the stretch's length: up to where that line reaches the threshold there is no root, and with its slope Newton's step says
+// where the root may be. The next stretch is centred there, so that what is left of it shrinks quadratically.
 //
 // The lanes evaluate together, and no lane's arithmetic looks at another's.
 
@@ -90,8 +90,7 @@ private:
   void verify(V enough, V root, M& hit, M& unsure) {
     live_ = hn::And(hit, hn::Gt(root, enough));
     if (none(live_)) return;
-    V g, most;
-    evaluate(root, hn::Zero(k_lanes), g, most);
+    const V g = evaluate(root, hn::Zero(k_lanes)).value;
     const V tolerance = set(3e-5f * threshold_);
     const auto is_late = hn::And(hn::Gt(g, tolerance), hn::Gt(root, hn::Neg(half_)));
     const auto is_wrong = hn::And(live_, hn::Or(hn::Lt(g, hn::Neg(tolerance)), is_late));
@@ -237,26 +236,26 @@ private:
   HWY_NOINLINE V set_up_solid(uint32_t i) {
     const SolidLeaf& leaf = tree_.solids.leaves[i];
     const V3 place = place_in_base(leaf, hn::Zero(k_lanes));
-    const V peak = solid_potential(leaf, SolidView(tree_.solids, leaf).range(place, velocity_in_base(leaf), half_, false).least);
+    const V peak = solid_potential(leaf, SolidView(tree_.solids, leaf).range(place, velocity_in_base(leaf), half_, false).near.least());
     const auto reaches = hn::And(live_, hn::Ne(peak, hn::Zero(k_lanes)));
     hn::Store(hn::IfThenElseZero(reaches, set(1)), k_lanes, lanes_.reaches.get() + i * k_width);
     return hn::IfThenElseZero(reaches, peak);
   }
 
-  /// g = f - T in the middle of each lane's stretch, and what it is at most within.
-  void evaluate(V s, V h, V& g, V& most) const {
+  /// f - T in the middle of each lane's stretch, and its bounds within.
+  Slope evaluate(V s, V h) const {
     work_.evaluations += hn::CountTrue(k_lanes, live_);
     find_curves(s);
     const V zero = hn::Zero(k_lanes);
-    Range stack[k_tree_depth + 1];
+    Slope stack[k_tree_depth + 1];
     size_t depth = 0;
     for (const TreeStep& step : lanes_.steps) {
       if (step.is_join()) {
         depth -= step.count - 1;
-        stack[depth - 1] = join_ranges(step, threshold_, [&](uint32_t i) -> const Range& { return stack[depth - 1 + i]; });
+        stack[depth - 1] = join_slopes(step, threshold_, [&](uint32_t i) -> const Slope& { return stack[depth - 1 + i]; });
         continue;
       }
-      stack[depth] = {zero, zero, zero};
+      stack[depth] = {zero, {zero, zero}, {zero, zero}};
       if (step.kind == TreeStep::Kind::solid) {
         add_solid(step, s, h, stack[depth++]);
         continue;
@@ -264,20 +263,23 @@ private:
       for (uint32_t j = step.first; j < step.first + step.count; ++j) add(j, step.is_subtracted, s, h, stack[depth]);
       ++depth;
     }
-    g = hn::Sub(stack[0].value, set(threshold_)), most = hn::Sub(stack[0].high, set(threshold_));
+    const V below = set(-threshold_);
+    return {hn::Add(stack[0].value, below), stack[0].low + below, stack[0].high + below};
   }
 
   /// A lane that does not meet the solid has 0 of it, whatever the others do.
-  HWY_NOINLINE void add_solid(const TreeStep& step, V s, V h, Range& out) const {
+  HWY_NOINLINE void add_solid(const TreeStep& step, V s, V h, Slope& out) const {
     const auto is_met = hn::Ne(hn::Load(k_lanes, lanes_.reaches.get() + step.first * k_width), hn::Zero(k_lanes));
     if (none(is_met)) return;
     const SolidLeaf& leaf = tree_.solids.leaves[step.first];
-    const bool wants_low = !tree_.is_monotone || step.is_subtracted, wants_high = !tree_.is_monotone || !step.is_subtracted;
-    const Range range = solid_range(tree_.solids, leaf, wants_low, wants_high, place_in_base(leaf, s), velocity_in_base(leaf), h);
-    out = {hn::IfThenElseZero(is_met, range.value), hn::IfThenElseZero(is_met, range.low), hn::IfThenElseZero(is_met, range.high)};
+    const Slope f = solid_slope(tree_.solids, leaf, wants_low(step.is_subtracted), place_in_base(leaf, s), velocity_in_base(leaf), h);
+    const auto met = [&](V x) { return hn::IfThenElseZero(is_met, x); };
+    out = {met(f.value), {met(f.low.left), met(f.low.right)}, {met(f.high.left), met(f.high.right)}};
   }
 
-  void add(uint32_t j, bool is_subtracted, V s, V h, Range& sum) const {
+  bool wants_low(bool is_subtracted) const { return !tree_.is_monotone || is_subtracted; }
+
+  void add(uint32_t j, bool is_subtracted, V s, V h, Slope& sum) const {
     const uint32_t i = lanes_.leaves[j];
     const float* frame = lanes_.frames.get() + 6 * k_width * j;
     const auto frame_row = [&](size_t r) { return hn::Load(k_lanes, frame + r * k_width); };
@@ -289,59 +291,59 @@ private:
       place = place_in_frame(row, found_[slot - 1].place), velocity = velocity_in_frame(row, found_[slot - 1].velocity);
       place.x = hn::Add(place.x, p.x);
     }
-    const bool wants_low = !tree_.is_monotone || is_subtracted, wants_high = !tree_.is_monotone || !is_subtracted;
-    add_leaf(Leaf::all(tree_, i), tree_.is_positive(i), wants_low, wants_high, place, velocity, drift_within(row, h), h, sum);
+    add_leaf(Leaf::all(tree_, i), tree_.is_positive(i), wants_low(is_subtracted), place, velocity, drift_within(row, h), h, sum);
   }
 
   void march(V enough, M& hit, V& root) {
-    const V zero = hn::Zero(k_lanes), one_half = set(0.5f), tiny = set(tiny_), near = set(0.4f * tiny_);
-    const V longest = hn::Max(half_, tiny);
-    V from = hn::Neg(half_), step = hn::Mul(set(0.15f), longest); // up to `from` there is no root
-    V before = from, g_before = set(-1);                          // the last place with g < 0
-    M has_before = no_lanes();
+    const V zero = hn::Zero(k_lanes), tiny = set(tiny_), infinity = set(std::numeric_limits<float>::infinity());
+    const V start = hn::Neg(half_);
+    V from = start;                                                                         // there is no root before
+    V outside = hn::Neg(infinity), g_outside = set(-1), inside = infinity, g_inside = zero; // the last place seen outside, the first inside
+    V step = hn::Mul(set(0.8f), hn::Max(half_, tiny));
     root = from;
     for (int i = 0; i < k_most_tries && !none(live_); ++i) {
       step = hn::Max(hn::Min(step, hn::Sub(half_, from)), set(1e-3f * tiny_));
-      const V x = hn::MulAdd(one_half, step, from);
-      V g, most;
-      evaluate(x, hn::Mul(set(0.5005f), step), g, most);
-      const auto outside = hn::Lt(g, zero);
-      const auto is_tiny = hn::Le(step, tiny);
-      const auto is_clear = hn::Lt(most, set(negligible_));
+      const V x = hn::MulAdd(set(0.5f), step, from), h = hn::Mul(set(0.5005f), step), end = hn::Add(from, step);
+      const Slope f = evaluate(x, h);
+      const V g = f.value;
+      const M is_outside = hn::Lt(g, zero), is_inside = hn::Not(is_outside), is_first = hn::And(is_inside, hn::Lt(x, inside));
+      outside = hn::IfThenElse(is_outside, x, outside), g_outside = hn::IfThenElse(is_outside, g, g_outside);
+      inside = hn::IfThenElse(is_first, x, inside), g_inside = hn::IfThenElse(is_first, g, g_inside);
 
-      // Where the secant is 0; of use if the field has risen.
-      const V secant = hn::NegMulAdd(g, hn::Div(hn::Sub(x, before), hn::Sub(g, g_before)), x);
-      const auto has_secant = hn::And(has_before, hn::Gt(g, g_before));
+      // As far as the bound is negative there is no root.
+      const V rise = hn::Sub(f.high.right, f.high.left), slope = hn::Div(rise, hn::Add(h, h));
+      const M begins_clear = hn::Lt(f.high.left, zero), is_clear = hn::Lt(f.high.most(), set(negligible_));
+      const V crossing = hn::Sub(hn::Sub(x, h), hn::Div(f.high.left, slope)), before = from;
+      from = hn::IfThenElse(is_clear, end, hn::IfThenElse(begins_clear, hn::Min(hn::Max(from, crossing), end), from));
 
-      const auto will_do = hn::And(live_, hn::AndNot(outside, hn::Le(x, enough)));
-      const auto starts_inside = hn::AndNot(has_before, hn::Le(step, set(0.05f * tiny_)));
-      const auto is_close = hn::Or(starts_inside, hn::And(has_before, hn::Le(hn::Sub(x, before), hn::Mul(set(4), tiny))));
-      const auto found = hn::AndNot(outside, hn::And(live_, hn::And(is_tiny, is_close)));
-      const V at_surface = hn::IfThenElse(has_before, hn::Min(hn::Max(secant, from), x), from);
-      const auto answered = hn::Or(will_do, found);
+      // Newton's step, with the slope of the bound. Where the bound hardly parts from the field, it is the root.
+      const M rises = hn::Gt(rise, zero);
+      const V newton = hn::IfThenElse(rises, hn::Sub(x, hn::Div(g, slope)), hn::Neg(infinity)), ahead = hn::Sub(newton, from);
+      const M is_line =
+          hn::And(hn::And(rises, hn::Le(step, set(8 * tiny_))), hn::Le(hn::Sub(f.high.middle(), g), hn::Mul(slope, set(0.02f * tiny_))));
+      const M is_at_from = hn::And(hn::Lt(f.high.left, set(3 * negligible_)), hn::Lt(ahead, set(0.5f * tiny_)));
+      const M is_bracketed = hn::Le(hn::Sub(inside, from), tiny), is_short = hn::Le(step, set(0.3f * tiny_));
+      const M found =
+          hn::And(live_, hn::Or(hn::And(is_inside, hn::And(is_line, is_at_from)), hn::And(is_bracketed, hn::Or(is_line, is_short))));
+      const M will_do = hn::And(live_, hn::And(is_inside, hn::Le(x, enough))), answered = hn::Or(will_do, found);
+      const M has_both = hn::And(hn::Lt(outside, inside), hn::Lt(hn::Sub(inside, outside), infinity));
+      const V between = hn::MulAdd(hn::Div(g_outside, hn::Sub(g_outside, g_inside)), hn::Sub(inside, outside), outside);
+      const V estimate = hn::IfThenElse(hn::Or(is_line, hn::Not(has_both)), newton, between);
+      const V at_surface = hn::Min(hn::Max(estimate, from), inside);
       root = hn::IfThenElse(will_do, x, hn::IfThenElse(found, at_surface, root));
       hit = hn::Or(hit, answered);
+      live_ = hn::AndNot(hn::Or(answered, hn::And(is_clear, hn::Ge(from, half_))), live_);
 
-      const V end = hn::Add(from, step);
-      from = hn::IfThenElse(is_clear, end, from);
-      const auto ends = hn::And(is_clear, hn::Ge(from, half_));
-      live_ = hn::AndNot(hn::Or(answered, ends), live_);
-
-      // How far the next stretch goes: just short of the secant's root, or, where that is near, just past it, or, if
-      // the last place outside is still too far off for the secant to be exact, to a place before it.
-      const V ahead = hn::Sub(secant, from);
-      const V past = hn::Max(hn::Mul(set(2.4f), ahead), set(0.3f * tiny_)), up_to = hn::Max(hn::Mul(set(1.8f), ahead), set(0.02f * tiny_));
-      const auto is_known = hn::And(has_secant, hn::Le(hn::Sub(secant, hn::IfThenElse(outside, x, before)), hn::Mul(set(3), tiny)));
-      const V by_secant = hn::IfThenElse(hn::Gt(ahead, near), hn::Mul(set(0.9f), ahead), hn::IfThenElse(is_known, past, up_to));
-      const V gap = hn::Max(hn::Sub(most, g), set(1e-30f));
-      const V by_bound = hn::Mul(hn::Min(hn::Max(hn::Sqrt(hn::Div(hn::Neg(g), gap)), set(0.2f)), set(0.7f)), step);
-      const V unaided = hn::IfThenElse(is_clear, hn::Mul(set(3), step), hn::IfThenElse(outside, by_bound, hn::Mul(set(0.3f), step)));
-      step = hn::IfThenElse(has_secant, hn::Min(unaided, by_secant), unaided);
-      const auto lingers = hn::And(hn::And(has_secant, is_tiny), hn::AndNot(is_clear, outside)); // the surface is in the second half
-      step = hn::IfThenElse(lingers, by_secant, step);
-
-      before = hn::IfThenElse(outside, x, before), g_before = hn::IfThenElse(outside, g, g_before);
-      has_before = hn::Or(has_before, outside);
+      // The next stretch has the root in its middle, or a little before it: Newton's, or that of the line between what is known.
+      const M is_ahead = hn::And(hn::Gt(ahead, zero), hn::Le(newton, inside));
+      const V target = hn::IfThenElse(is_ahead, newton, hn::IfThenElse(has_both, between, infinity));
+      const V centred = hn::MulAdd(set(2), hn::Sub(target, from), set(0.8f * tiny_));
+      const M was_worth_it = hn::Gt(hn::Sub(from, before), hn::Mul(set(0.3f), step));
+      const V longest = hn::IfThenElse(is_clear, hn::Mul(set(32), step), hn::IfThenElse(was_worth_it, step, hn::Mul(set(0.5f), step)));
+      const V blind = hn::IfThenElse(is_clear, hn::Mul(set(3), step), hn::Mul(set(0.4f), step));
+      const M may_start_inside = hn::And(is_inside, hn::And(hn::Le(from, start), hn::Le(ahead, zero)));
+      step = hn::IfThenElse(hn::Lt(target, infinity), hn::Min(centred, longest), blind);
+      step = hn::IfThenElse(may_start_inside, hn::Min(step, tiny), step);
     }
   }
 

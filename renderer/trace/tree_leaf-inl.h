@@ -36,7 +36,7 @@ V3 velocity_in_frame(const Row& row, const V3& v) {
 
 /// The numbers of a leaf in every lane, or of a leaf a lane.
 struct Leaf {
-  V s_low, s_high, r, sine, slope, k, a, b;
+  V s_low, s_high, r, sine, slope, k, a, b, crest;
 
   static Leaf each(const TreeView& tree, size_t first) {
     const auto row = [&](LeafRow number) { return hn::LoadU(k_lanes, tree.leaves + number * tree.leaf_count + first); };
@@ -56,9 +56,29 @@ struct Leaf {
 private:
   template <class Row>
   static Leaf of(const Row& row) {
-    return {row(leaf_s_low), row(leaf_s_high), row(leaf_r), row(leaf_sine), row(leaf_slope), row(leaf_k), row(leaf_a), row(leaf_b)};
+    return {row(leaf_s_low), row(leaf_s_high), row(leaf_r), row(leaf_sine), row(leaf_slope),
+            row(leaf_k),     row(leaf_a),      row(leaf_b), row(leaf_crest)};
   }
 };
+
+/// What lies on a line between two values, which are meant at the ends of a stretch.
+struct Line {
+  V left, right;
+
+  V least() const { return hn::Min(left, right); }
+  V most() const { return hn::Max(left, right); }
+  V middle() const { return hn::Mul(set(0.5f), hn::Add(left, right)); }
+};
+inline Line operator+(const Line& a, const Line& b) { return {hn::Add(a.left, b.left), hn::Add(a.right, b.right)}; }
+inline Line operator+(const Line& a, V b) { return {hn::Add(a.left, b), hn::Add(a.right, b)}; }
+inline Line choose(M first, const Line& a, const Line& b) {
+  return {hn::IfThenElse(first, a.left, b.left), hn::IfThenElse(first, a.right, b.right)};
+}
+/// f(a, b), end by end.
+template <class Join>
+Line join_ends(const Line& a, const Line& b, const Join& f) {
+  return {f(a.left, b.left), f(a.right, b.right)};
+}
 
 /// From its tangent a ray parts by no more than this times h, h away from where it touches; row(r) as the leaf's numbers.
 template <class Row>
@@ -100,12 +120,12 @@ inline V nearest_approach(const Leaf& leaf, const V3& p, const V3& v, V drift, V
   return hn::NegMulAdd(drift, h, hn::Add(offset.distance(), falls));
 }
 
-/// The same from above, around a place with a velocity: on a line it is the larger of the ends.
-inline V most_distance(const Leaf& leaf, const V3& p, const V3& v, V drift, V h) {
+/// Bounds of the distance from above, around a place with a velocity: on a line it lies below its chord.
+inline Line most_distances(const Leaf& leaf, const V3& p, const V3& v, V drift, V h) {
   const auto end = [&](V t) {
     return Offset(leaf, {hn::MulAdd(v.x, t, p.x), hn::MulAdd(v.y, t, p.y), hn::MulAdd(v.z, t, p.z)}).distance();
   };
-  return hn::MulAdd(drift, h, hn::Max(end(h), end(hn::Neg(h))));
+  return Line{end(hn::Neg(h)), end(h)} + hn::Mul(drift, h);
 }
 
 /// The localised R-functions as in field/operators/r_functions.h, of fields in units of the threshold.
@@ -219,7 +239,135 @@ HWY_INLINE void add_leaf(const Leaf& leaf, bool is_positive, bool wants_low, boo
   V &with_nearest = is_positive ? sum.high : sum.low, &with_farthest = is_positive ? sum.low : sum.high;
   if (wants_nearest) with_nearest = hn::Add(with_nearest, leaf.potential(square_of_positive(offset.least(velocity, drift, h))));
   if (wants_farthest)
-    with_farthest = hn::Add(with_farthest, leaf.potential(square_of_positive(most_distance(leaf, place, velocity, drift, h))));
+    with_farthest = hn::Add(with_farthest, leaf.potential(square_of_positive(most_distances(leaf, place, velocity, drift, h).most())));
+}
+
+/// A field at a place, and its bounds on the stretch around it. They are lines, so that one look tells how far a stretch is clear, and
+/// about where it ceases to be. `low` is meant only where the tree asks for it.
+struct Slope {
+  V value;
+  Line low, high;
+};
+
+/// The numbers of a potential q^2 (a + b q), q = max(0, 1 - k d^2), that is not negative.
+struct Bump {
+  V k, a, b, crest;
+
+  V closeness(V d) const { return hn::Max(hn::NegMulAdd(k, square_of_positive(d), set(1)), hn::Zero(k_lanes)); }
+  V at(V q) const { return hn::Mul(hn::Mul(q, q), hn::MulAdd(b, q, a)); }
+
+  /// Above the potential where the distance is at least what lies on a line. On the line the potential parts from its chord by its
+  /// second derivative: -2 k c times the square of the line's slope, c = 15 b q^2 + (6 a - 12 b) q - 4 a. That is largest at the largest q,
+  /// or at the crest.
+  Line above(const Line& distance) const {
+    const Line q{closeness(distance.left), closeness(distance.right)}, ends{at(q.left), at(q.right)};
+    const V x = hn::Min(q.most(), crest), linear = hn::MulSub(set(6), a, hn::Mul(set(12), b));
+    const V c = hn::MulSub(hn::MulAdd(hn::Mul(set(15), b), x, linear), x, hn::Mul(set(4), a));
+    const Line line = ends + hn::Mul(scale(distance), hn::Max(c, hn::Zero(k_lanes)));
+    const V most = ends.most(); // it is nowhere more than that
+    return choose(hn::Lt(line.middle(), most), line, {most, most});
+  }
+  /// Below it where the distance is at most what lies on a line.
+  Line below(const Line& distance) const {
+    const Line ends{at(closeness(distance.left)), at(closeness(distance.right))};
+    const V peak = hn::Max(hn::MulSub(set(12), b, hn::Mul(set(6), a)), hn::Zero(k_lanes)); // of -c, where b > 0
+    const V c = hn::MulAdd(set(4), a, hn::Div(hn::Mul(peak, peak), hn::Mul(set(60), hn::Max(b, set(1e-30f)))));
+    const Line line = ends + hn::Neg(hn::Mul(scale(distance), c));
+    const V least = ends.least(); // it is nowhere less than that
+    return choose(hn::And(hn::Gt(line.middle(), least), hn::Ge(line.least(), hn::Zero(k_lanes))), line, {least, least});
+  }
+
+private:
+  V scale(const Line& distance) const {
+    const V rise = hn::Mul(set(0.5f), hn::Sub(distance.right, distance.left));
+    return hn::Mul(k, hn::Mul(rise, rise));
+  }
+};
+
+/// Adds the bounds of a potential to those of a sum. `far()`: above the distance; asked for only if it matters.
+template <class Far>
+HWY_INLINE void add_lines(const Bump& bump, bool is_positive, bool wants_low, const Line& near, const Far& far, Slope& sum) {
+  if (is_positive) {
+    sum.high = sum.high + bump.above(near);
+    if (wants_low) sum.low = sum.low + bump.below(far());
+    return;
+  }
+  const Bump positive{bump.k, hn::Neg(bump.a), hn::Neg(bump.b), bump.crest};
+  const auto negative = [](const Line& line) { return Line{hn::Neg(line.left), hn::Neg(line.right)}; };
+  sum.high = sum.high + negative(positive.below(far()));
+  if (wants_low) sum.low = sum.low + negative(positive.above(near));
+}
+
+/// Adds a leaf at a place with a velocity, and its bounds on the stretch h either way, to a sum.
+HWY_INLINE void add_leaf(const Leaf& leaf, bool is_positive, bool wants_low, const V3& place, const V3& velocity, V drift, V h,
+                         Slope& sum) {
+  const Offset offset(leaf, place);
+  const V distance = offset.distance(), rise = hn::Mul(offset.rate(velocity), h), near = hn::NegMulAdd(drift, h, distance);
+  sum.value = hn::Add(sum.value, leaf.potential(square_of_positive(distance)));
+  const auto far = [&] { return most_distances(leaf, place, velocity, drift, h); };
+  add_lines({leaf.k, leaf.a, leaf.b, leaf.crest}, is_positive, wants_low, {hn::Sub(near, rise), hn::Add(near, rise)}, far, sum);
+}
+
+/// Above an R-union of fields in units of the threshold. It rises with its operands but for a slope of -0.1664 at most; and between two
+/// places (a, b) it parts from its chord by less than `bends` / 8 times the square of their distance.
+inline Line above_r_union(const Line& a, const Line& b, const Line& least_a, const Line& least_b) {
+  const Line all = join_ends(a, b, RFunctions::unite);
+  const Line slack = join_ends(a + b, least_a + least_b, [](V most, V least) { return hn::Mul(set(0.167f), hn::Sub(most, least)); });
+  const V da = hn::Sub(a.right, a.left), db = hn::Sub(b.right, b.left), over = hn::Sub(hn::Max(a.most(), b.most()), set(1));
+  const V bends = hn::MulAdd(set(5), hn::Max(over, hn::Zero(k_lanes)), set(2.6f));
+  return all + slack + hn::Mul(hn::Mul(bends, set(0.125f)), hn::MulAdd(da, da, hn::Mul(db, db)));
+}
+
+/// The operands at(0), at(1), … joined where a join bends. Where one of two is nothing, the result is exactly the other.
+template <class At>
+HWY_NOINLINE Slope join_rare_slopes(const TreeStep& step, float threshold, const At& at) {
+  using Kind = TreeStep::Kind;
+  const Range r = join_rare_ranges(step, threshold, [&](uint32_t i) {
+    const Slope& f = at(i);
+    return Range{f.value, f.low.least(), f.high.most()};
+  });
+  Slope s{r.value, {r.low, r.low}, {r.high, r.high}};
+  if (step.kind == Kind::local_blend) return s;
+  const Slope &a = at(0), &b = at(1);
+  const V zero = hn::Zero(k_lanes);
+  const auto scaled = [](const Line& l, float factor) { return Line{hn::Mul(l.left, set(factor)), hn::Mul(l.right, set(factor))}; };
+  const auto positive = [&](const Line& l) { return Line{hn::Max(l.left, zero), hn::Max(l.right, zero)}; };
+  if (step.kind == Kind::r_union) {
+    const auto in_units = [&](const Line& l) { return scaled(l, 1 / threshold); };
+    const Line high = above_r_union(positive(in_units(a.high)), positive(in_units(b.high)), in_units(a.low), in_units(b.low));
+    s.high = choose(hn::Lt(hn::Mul(high.middle(), set(threshold)), r.high), scaled(high, threshold), s.high);
+  } else if (step.kind == Kind::hyper_blend && step.exponent >= 1) { // convex
+    s.high = join_ends(a.high, b.high, [&](V x, V y) { return join_two(step, threshold, x, y); });
+  } else if (step.kind == Kind::difference) { // below each of the two, and clamped: convex again
+    const V twice = set(2 * threshold);
+    const Line rest{hn::Sub(twice, b.low.left), hn::Sub(twice, b.low.right)};
+    s.high = positive(choose(hn::Lt(a.high.most(), rest.most()), a.high, rest));
+  }
+  if (step.kind == Kind::r_union || step.kind == Kind::hyper_blend) {
+    const M only_a = hn::Le(b.high.most(), zero), only_b = hn::Le(a.high.most(), zero);
+    s.low = choose(only_a, a.low, choose(only_b, b.low, s.low));
+    s.high = choose(only_a, positive(a.high), choose(only_b, positive(b.high), s.high));
+  }
+  return s;
+}
+
+/// The operands at(0), at(1), … joined, those joins that are most of a scene without a call.
+template <class At>
+HWY_INLINE Slope join_slopes(const TreeStep& step, float threshold, const At& at) {
+  const Slope &a = at(0), &b = at(1);
+  switch (step.kind) {
+  case TreeStep::Kind::sum: return {hn::Add(a.value, b.value), a.low + b.low, a.high + b.high};
+  case TreeStep::Kind::maximum: { // convex: below its chord, and above each of the two
+    const auto larger = [](V x, V y) { return hn::Max(x, y); };
+    const V sum_a = hn::Add(a.low.left, a.low.right), sum_b = hn::Add(b.low.left, b.low.right);
+    return {hn::Max(a.value, b.value), choose(hn::Gt(sum_a, sum_b), a.low, b.low), join_ends(a.high, b.high, larger)};
+  }
+  case TreeStep::Kind::minimum: {
+    const auto smaller = [](V x, V y) { return hn::Min(x, y); };
+    return {hn::Min(a.value, b.value), join_ends(a.low, b.low, smaller), choose(hn::Lt(a.high.most(), b.high.most()), a.high, b.high)};
+  }
+  default: return join_rare_slopes(step, threshold, at);
+  }
 }
 
 } // namespace HWY_NAMESPACE

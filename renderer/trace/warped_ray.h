@@ -1,4 +1,4 @@
-// A ray in the warped spaces of a tree, a curve in each; and gradients from there.
+// A ray in the warped spaces of a tree, a curve in each.
 #pragma once
 
 #include "renderer/cells/cells.h"
@@ -30,41 +30,6 @@ public:
 private:
   const FieldProgram& program_;
   std::span<const TreeSpace> spaces_;
-};
-
-/// A point in the spaces of a tree, and how gradients get from there to the world.
-class SpaceGradients {
-public:
-  SpaceGradients(const FieldProgram& program, const TreeView& tree, const Cell& cell, const Vec3& place) : world_(place - cell.centre) {
-    using D = Dual<double, 3>;
-    if (tree.spaces.empty()) return;
-    thread_local SpacePoints<D> points;
-    points.begin(program);
-    const Point3<D> world{D::variable(place.x, 0), D::variable(place.y, 1), D::variable(place.z, 2)};
-    for (const TreeSpace& space : tree.spaces) {
-      const Point3<D>& p = points.at(program, space.space, world);
-      warped_.push_back(
-          {Vec3(Vec3d(p.x.value, p.y.value, p.z.value) - Vec3d(space.centre)), {gradient(p.x), gradient(p.y), gradient(p.z)}});
-    }
-  }
-
-  /// The point, from the cell's centre, in the space of a leaf's number `leaf_space`.
-  const Vec3& place(float slot) const { return slot == 0 ? world_ : warped_[static_cast<size_t>(slot) - 1].place; }
-  Vec3 in_world(float slot, const Vec3& g) const {
-    if (slot == 0) return g;
-    const auto& by = warped_[static_cast<size_t>(slot) - 1].gradients;
-    return g.x * by[0] + g.y * by[1] + g.z * by[2];
-  }
-
-private:
-  struct Warped {
-    Vec3 place;
-    std::array<Vec3, 3> gradients; ///< of its coordinates
-  };
-  static Vec3 gradient(const Dual<double, 3>& x) { return Vec3(x.d[0], x.d[1], x.d[2]); }
-
-  Vec3 world_;
-  std::vector<Warped> warped_;
 };
 
 } // namespace kelpie
