@@ -216,7 +216,7 @@ FrameScene sample(const Scene& scene, double frame) {
     if (shape.geometry) std::visit([&](const auto& kind) { keys.add_kind(kind); }, *shape.geometry);
   }
   camera_keys.add_kind(scene.camera);
-  out.breaks = keys.breaks();
+  out.breaks = keys.breaks(), out.camera_stands = !camera_keys.are_there();
   if (keys.are_there() || camera_keys.are_there()) out.moment = [&scene](double at) { return sample_moment(scene, at); };
   return out;
 }

@@ -129,6 +129,8 @@ struct FrameScene {
 
   /// The scene at any other frame (without `moment`); none where nothing moves.
   std::function<FrameScene(double frame)> moment;
+  /// Whether the camera is the same at all frames; false where nobody knows.
+  bool camera_stands = false;
   /// Frames at which the motion of shapes need not be smooth, ascending.
   std::vector<double> breaks;
 

@@ -101,7 +101,7 @@ double tree_value(const TreeView& tree, const Vec3d& p, double threshold) {
 double cell_value(const ShapeCells& shape, const Cell& cell, const Vec3d& p) {
   if (cell.content == Cell::Content::tree) return tree_value(shape.tree(cell), p - Vec3d(cell.centre), shape.program.threshold);
   if (cell.content == Cell::Content::code) return evaluate(shape.program, shape.code(cell), Point3<double>{p.x, p.y, p.z});
-  const float* data = shape.blobs(cell);
+  const float* data = cell.data;
   const size_t n = cell.count;
   double sum = 0;
   for (size_t i = 0; i < n; ++i) {
@@ -135,6 +135,58 @@ void expect_pruned_equals_full(const SampledField& field, double threshold, cons
   }
   const auto is_warped = [](const Cell& cell) { return cell.space_count > 0; };
   EXPECT_TRUE(compared > 0 || std::all_of(shape.cells.begin(), shape.cells.end(), is_warped));
+}
+
+// Blobs are put in another order when they are compiled, the same in all moments; the field stays what it was.
+TEST(Cells, BlobsAreSortedByPlace) {
+  Random r(2);
+  BlobCloud cloud;
+  for (int i = 0; i < 3000; ++i)
+    cloud.push_back({Vec3(r.direction() * r.uniform(0, 3)), float(r.uniform(0.2, 0.4)), float(r.uniform(-0.5, 1)), Falloff(i % 2)});
+  BlobCloud later = cloud;
+  for (Blob& b : later) b.centre += Vec3(r.direction());
+  const std::vector<FieldProgram> programs = compile({field_of(cloud), field_of(later)}, std::array{1.0, 1.0});
+  EXPECT_EQ(programs[0].code.blobs, programs[1].code.blobs);
+  const auto steps = [](const auto& place, size_t count) {
+    double sum = 0;
+    for (size_t i = 1; i < count; ++i) sum += glm::distance(place(i), place(i - 1));
+    return sum;
+  };
+  const BlobArrays& sorted = programs[0].blobs;
+  ASSERT_EQ(sorted.size(), cloud.size());
+  EXPECT_LT(steps([&](size_t i) { return Vec3(sorted.x[i], sorted.y[i], sorted.z[i]); }, sorted.size()),
+            0.2 * steps([&](size_t i) { return cloud[i].centre; }, cloud.size()));
+  for (const auto& [program, blobs] : {std::pair{&programs[0], &cloud}, std::pair{&programs[1], &later}})
+    for (int i = 0; i < 4; ++i) {
+      const Vec3d p = r.direction() * r.uniform(0, 3);
+      double sum = 0;
+      for (const Blob& b : *blobs) {
+        const FieldProgram one = compile(field_of(BlobCloud{b}), 1);
+        sum += evaluate(one, one.code, Point3<double>{p.x, p.y, p.z});
+      }
+      EXPECT_NEAR(evaluate(*program, program->code, Point3<double>{p.x, p.y, p.z}), sum, 1e-4);
+    }
+}
+
+TEST(LeafData, StaysWhereItIs) {
+  Random r(4);
+  LeafData all, other;
+  std::vector<std::pair<float*, size_t>> stretches;
+  size_t numbers = 0;
+  for (int i = 0; i < 3000; ++i) {
+    LeafData& data = i % 3 ? all : other;
+    const auto count = static_cast<size_t>(r.uniform(0, i % 500 == 0 ? 1e6 : 2000));
+    if (i % 5 == 0) data.add(77), data.drop(77);
+    float* at = data.add(count);
+    std::fill(at, at + count, float(i));
+    stretches.push_back({at, count}), numbers += count;
+  }
+  all.join(std::move(other));
+  EXPECT_EQ(all.bytes(), numbers * sizeof(float));
+  for (size_t i = 0; i < stretches.size(); ++i) {
+    const auto [at, count] = stretches[i];
+    EXPECT_EQ(std::count(at, at + count, float(i)), std::ptrdiff_t(count));
+  }
 }
 
 TEST(Cells, PrunedEqualsFullInClouds) {
@@ -175,9 +227,8 @@ TEST(Cells, WhatABoxIsCutBackByIsEmpty) {
     for (const Cell& cell : shape.cells) {
       if (cell.space_count > 0 || cell.content == Cell::Content::code) continue;
       const Box3 part{random_point(r, cell.box), cell.box.upper};
-      const Box3 tight = cell.content == Cell::Content::tree
-                             ? tightened_to_tree(part, shape.tree(cell), cell.centre, threshold)
-                             : tightened_to_blobs(part, cell.content, shape.blobs(cell), cell.count, threshold);
+      const Box3 tight = cell.content == Cell::Content::tree ? tightened_to_tree(part, shape.tree(cell), cell.centre, threshold)
+                                                             : tightened_to_blobs(part, cell.content, cell.data, cell.count, threshold);
       for (int i = 0; i < 20; ++i) {
         const Vec3 p = random_point(r, part);
         ++compared;

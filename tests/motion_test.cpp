@@ -233,6 +233,64 @@ TEST(Slabs, AsManyAsTheMotionNeeds) {
   EXPECT_EQ(slabs_of(point_scene(Animated<Vec3>(Keys{{0, Vec3(0), {}}, {10, Vec3(1, 0, 0), {}}}, Interpolation::step), 1)), 2u);
 }
 
+// --- windows ---
+
+/// A cloud of one falloff, of which the centres move.
+FieldProgram travelling_cloud(const BlobCloud& start, double reach) {
+  const MovingField field = moving_cloud(start, reach, Moves::centres);
+  std::vector<FieldProgram> ends = compile({field.start, field.end}, std::array{1.0, 1.0});
+  EXPECT_TRUE(set_in_motion(ends[0], std::move(ends[1])));
+  return std::move(ends[0]);
+}
+
+// At any time all of the surface is in the boxes of that time's window: points close together, one on either side.
+TEST(Windows, HoldTheSurfaceOfTheirTime) {
+  for (const BlobCloud& cloud : {coincident_cloud(Falloff::quartic), thin_cloud(Falloff::quartic)})
+    for (const uint32_t windows : {1u, 2u, 4u}) {
+      SCOPED_TRACE(windows);
+      const ShapeCells shape = build_cells(travelling_cloud(cloud, 0.8), {}, windows);
+      ASSERT_EQ(shape.windows(), windows);
+      Random r(3);
+      int found = 0;
+      for (int i = 0; i < 60000 && found < 300; ++i) {
+        const double u = i % 7 == 0 ? double(i % (windows + 1)) / windows : r.uniform(0, 1);
+        const FieldProgram& now = at(shape.program, shape.program.code, u);
+        const auto inside = [&](const Vec3d& p) { return evaluate(now, now.code, Point3<double>{p.x, p.y, p.z}) > 1; };
+        Vec3d a = r.in(shape.program.support), b = a + r.direction() * r.uniform(0, 0.2);
+        if (inside(a) == inside(b)) continue;
+        ++found;
+        for (int k = 0; k < 50; ++k) (inside(0.5 * (a + b)) == inside(a) ? a : b) = 0.5 * (a + b);
+        const auto cells = shape.cells_in(std::min(static_cast<size_t>(u * windows), size_t{windows} - 1));
+        EXPECT_TRUE(std::any_of(cells.begin(), cells.end(), [&](const Cell& c) { return c.box.padded(1e-5f).contains(Vec3(a)); }))
+            << "no cell at " << a.x << ' ' << a.y << ' ' << a.z << " at time " << u;
+      }
+      EXPECT_GE(found, 100);
+    }
+}
+
+// They cut back what the whole slab would need.
+TEST(Windows, AreNarrowerThanTheSlab) {
+  const auto volume = [](uint32_t windows) {
+    const ShapeCells shape = build_cells(travelling_cloud(thin_cloud(Falloff::quartic), 0.8), {}, windows);
+    double sum = 0;
+    for (const Cell& cell : shape.cells) sum += double(cell.box.extent().x) * cell.box.extent().y * cell.box.extent().z;
+    return sum / windows;
+  };
+  EXPECT_LT(volume(2), 0.97 * volume(1));
+  EXPECT_LT(volume(4), volume(2));
+}
+
+// A cloud in fast motion has two windows in each slab, whatever else has none.
+TEST(Windows, OnlyOfTravellingClouds) {
+  const auto windows = [](const MovingField& field) { return Tracer(moving_scene(field, {1, 1})).window_count(); };
+  const BlobCloud cloud = thin_cloud(Falloff::quartic);
+  EXPECT_EQ(windows(moving_cloud(cloud, 0.4, Moves::centres)), 2u);
+  EXPECT_EQ(windows(moving_cloud(cloud, 0.05, Moves::centres)), 1u);
+  EXPECT_EQ(windows(moving_cloud(cloud, 0, Moves::centres)), 1u);
+  const FrameScene changing = moving_scene(moving_cloud(cloud, 0.4, Moves::everything), {1, 1});
+  EXPECT_EQ(Tracer(changing).window_count(), Tracer(changing).slab_count());
+}
+
 // --- pictures ---
 
 IntegrateResult render(const FrameScene& scene) {

@@ -1,7 +1,9 @@
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include "renderer/cells/cells.h"
@@ -11,9 +13,9 @@
 namespace kelpie {
 
 size_t ShapeCells::bytes() const {
-  return cells.size() * sizeof(Cell) + leaf_data.size() * sizeof(float) + steps.size() * sizeof(Instruction) +
-         tree_steps.size() * sizeof(TreeStep) + tree_spaces.size() * sizeof(TreeSpace) + solids.size() * sizeof(SolidLeaf) +
-         solid_parts.size() * sizeof(SolidPart) + solid_edges.size() * sizeof(SolidEdge) + lane_axes.size() * sizeof(LaneAxis) +
+  return cells.size() * sizeof(Cell) + leaf_data.bytes() + steps.size() * sizeof(Instruction) + tree_steps.size() * sizeof(TreeStep) +
+         tree_spaces.size() * sizeof(TreeSpace) + solids.size() * sizeof(SolidLeaf) + solid_parts.size() * sizeof(SolidPart) +
+         solid_edges.size() * sizeof(SolidEdge) + lane_axes.size() * sizeof(LaneAxis) +
          (operands.size() + blob_indices.size()) * sizeof(uint32_t);
 }
 
@@ -30,9 +32,16 @@ constexpr double k_most_turning = 0.5, k_calm_side = 0.2, k_torn_side = 0.05;
 
 class Builder {
 public:
-  Builder(const FieldProgram& program, const CellLimits& limits)
-      : program_(program), threshold_(threshold_range(program)), limits_(limits) {}
+  Builder(const FieldProgram& program, const CellLimits& limits, uint32_t windows)
+      : program_(program), threshold_(threshold_range(program)), limits_(limits), windows_(windows) {}
 
+  /// All cells within a box.
+  void run(const Box3d& box, ShapeCells& out) {
+    build(box, program_.code, 0, out);
+    for (LeafData& of_thread : leaf_data_) out.leaf_data.join(std::move(of_thread));
+  }
+
+private:
   void build(const Box3d& box, const Code& parent, int depth, ShapeCells& out) const {
     std::vector<Interval> ranges;
     Code code = bound(program_, parent, box, ranges);
@@ -51,7 +60,6 @@ public:
       subdivide(box, code, elements, depth, out);
   }
 
-private:
   /// Whether rays are nearly lines in the spaces of a cell; below a part of a radius it matters less.
   bool is_calm(const Box3d& box, const Code& code, double side, double radius) const {
     // Of what moves nobody knows where it is torn.
@@ -88,17 +96,17 @@ private:
     }
     std::array<ShapeCells, 8> parts;
     tbb::parallel_for(size_t(0), count, [&](size_t i) { build(children[i], code, depth + 1, parts[i]); });
-    size_t cells = 0, data = 0; // growing step by step would copy what is large
-    for (const ShapeCells& part : parts) cells += part.cells.size(), data += part.leaf_data.size();
-    out.cells.reserve(out.cells.size() + cells), out.leaf_data.reserve(out.leaf_data.size() + data);
+    size_t cells = 0; // growing step by step would copy what is large
+    for (const ShapeCells& part : parts) cells += part.cells.size();
+    out.cells.reserve(out.cells.size() + cells);
     for (size_t i = 0; i < count; ++i) append(std::exchange(parts[i], {}), out); // gone at once: not everything is there twice
   }
 
   /// In the order of the children, whatever thread was first.
   static void append(const ShapeCells& part, ShapeCells& out) {
     for (Cell cell : part.cells) {
-      cell.leaves += out.leaf_data.size(), cell.spaces += static_cast<uint32_t>(out.tree_spaces.size());
-      cell.first += cell.has_code() ? out.steps.size() : cell.content == Cell::Content::tree ? out.tree_steps.size() : out.leaf_data.size();
+      cell.first += cell.has_code() ? out.steps.size() : out.tree_steps.size();
+      cell.spaces += static_cast<uint32_t>(out.tree_spaces.size());
       cell.solids += static_cast<uint32_t>(out.solids.size());
       cell.parts += static_cast<uint32_t>(out.solid_parts.size()), cell.edges += static_cast<uint32_t>(out.solid_edges.size());
       cell.axes += static_cast<uint32_t>(out.lane_axes.size());
@@ -110,47 +118,57 @@ private:
       out.steps.push_back(step);
     }
     const auto add = [&](auto ShapeCells::*list) { (out.*list).insert((out.*list).end(), (part.*list).begin(), (part.*list).end()); };
-    add(&ShapeCells::operands), add(&ShapeCells::blob_indices), add(&ShapeCells::leaf_data);
+    add(&ShapeCells::operands), add(&ShapeCells::blob_indices);
     add(&ShapeCells::tree_steps), add(&ShapeCells::tree_spaces);
     add(&ShapeCells::solids), add(&ShapeCells::solid_parts), add(&ShapeCells::solid_edges);
     add(&ShapeCells::lane_axes);
   }
 
   void add_cell(const Box3d& box, const Code& code, double radius, ShapeCells& out) const {
-    const size_t before = out.bytes();
+    LeafData& leaf_data = leaf_data_.local();
+    const auto bytes = [&] { return out.bytes() + leaf_data.bytes(); };
+    const size_t before = bytes(), cells = out.cells.size();
     Cell cell;
     cell.box = {Vec3(box.lower), Vec3(box.upper)}, cell.centre = cell.box.centre();
     cell.epsilon = static_cast<float>(1e-3 * std::min(radius, smallest_influence(code)));
     const bool is_sum = code.steps.size() == 1 && code.steps[0].kind == Instruction::Kind::blobs && code.steps[0].space == 0;
-    if (is_sum)
-      add_blobs(code.blobs, cell, out);
-    else if (!add_tree(code, cell, out))
-      add_code(code, cell, out);
-    if (cell.box.is_empty()) return;
-    out.cells.push_back(cell);
-    if (limits_.budget) limits_.budget->take(out.bytes() - before + k_tree_bytes_per_cell);
+    if (is_sum) {
+      add_blobs(code.blobs, cell, leaf_data, out);
+    } else {
+      if (!add_tree(code, cell, leaf_data, out)) add_code(code, cell, out);
+      if (!cell.box.is_empty()) add_to_windows(cell, out);
+    }
+    if (limits_.budget && out.cells.size() > cells)
+      limits_.budget->take(bytes() - before + (out.cells.size() - cells) * k_tree_bytes_per_cell);
   }
 
-  void add_blobs(const std::vector<uint32_t>& list, Cell& cell, ShapeCells& out) const {
+  /// The same box in all windows.
+  void add_to_windows(Cell cell, ShapeCells& out) const {
+    for (uint32_t i = 0; i < windows_; ++i) {
+      cell.window = static_cast<uint8_t>(i);
+      out.cells.push_back(cell);
+    }
+  }
+
+  void add_blobs(const std::vector<uint32_t>& list, Cell& cell, LeafData& leaf_data, ShapeCells& out) const {
     const BlobArrays &s = program_.blobs, &e = program_.motion ? program_.motion->end.blobs : s;
+    const bool may_change = program_.motion && program_.motion->blobs_change;
     bool pure = true, moves = false, changes = false;
     for (const uint32_t i : list) {
       pure = pure && s.b[i] == 0 && s.a[i] > 0;
       moves = moves || s.x[i] != e.x[i] || s.y[i] != e.y[i] || s.z[i] != e.z[i];
-      changes = changes || s.k[i] != e.k[i] || s.a[i] != e.a[i] || s.b[i] != e.b[i];
+      changes = changes || (may_change && (s.k[i] != e.k[i] || s.a[i] != e.a[i] || s.b[i] != e.b[i]));
     }
     pure = pure && !changes; // the root of a weight that changes is not linear in time
     const size_t n = (list.size() + k_leaf_group - 1) / k_leaf_group * k_leaf_group;
     cell.content = pure ? (moves ? Cell::Content::moving_pure_blobs : Cell::Content::pure_blobs)
                         : (moves || changes ? Cell::Content::moving_mixed_blobs : Cell::Content::mixed_blobs);
-    cell.count = static_cast<uint32_t>(n), cell.first = out.leaf_data.size();
-    out.leaf_data.resize(out.leaf_data.size() + n * Cell::arrays(cell.content));
-    float* data = out.leaf_data.data() + cell.first;
-    for (size_t j = 0; j < n; ++j) {
-      if (j >= list.size()) { // padding: s < 0 is 0 everywhere
-        data[3 * n + j] = -1;
-        continue;
-      }
+    const size_t arrays = Cell::arrays(cell.content);
+    float* data = leaf_data.add(n * arrays);
+    cell.count = static_cast<uint32_t>(n), cell.data = data;
+    for (size_t i = 0; i < arrays; ++i) // padding: s < 0 is 0 everywhere
+      std::fill(data + i * n + list.size(), data + (i + 1) * n, i == 3 ? -1.f : 0.f);
+    for (size_t j = 0; j < list.size(); ++j) {
       const uint32_t i = list[j];
       const float root = pure ? std::sqrt(s.a[i]) : 1;
       data[j] = s.x[i], data[n + j] = s.y[i], data[2 * n + j] = s.z[i];
@@ -161,9 +179,17 @@ private:
       change[0] = e.x[i] - s.x[i], change[n] = e.y[i] - s.y[i], change[2 * n] = e.z[i] - s.z[i];
       if (!pure) change[3 * n] = e.k[i] - s.k[i], change[4 * n] = e.a[i] - s.a[i], change[5 * n] = e.b[i] - s.b[i];
     }
-    if (cell.content == Cell::Content::moving_mixed_blobs) return;
-    cell.box = tightened_to_blobs(cell.box, cell.content, data, n, threshold_.lo);
-    if (cell.box.is_empty()) out.leaf_data.resize(cell.first);
+    if (cell.content == Cell::Content::moving_mixed_blobs) return add_to_windows(cell, out);
+    const Box3 whole = cell.box;
+    bool is_empty = true;
+    for (uint32_t i = 0; i < windows_; ++i) {
+      const TimeSpan time{float(i) / float(windows_), float(i + 1) / float(windows_)};
+      cell.box = tightened_to_blobs(whole, cell.content, data, n, threshold_.lo, time), cell.window = static_cast<uint8_t>(i);
+      if (cell.box.is_empty()) continue;
+      out.cells.push_back(cell);
+      is_empty = false;
+    }
+    if (is_empty) leaf_data.drop(n * arrays);
   }
 
   /// Whether anything that a code needs is in motion.
@@ -182,7 +208,7 @@ private:
            std::any_of(code.blobs.begin(), code.blobs.end(), blob_moves);
   }
 
-  bool add_tree(const Code& code, Cell& cell, ShapeCells& out) const {
+  bool add_tree(const Code& code, Cell& cell, LeafData& leaf_data, ShapeCells& out) const {
     const std::optional<Tree> tree = make_tree(program_, code, cell.box);
     if (!tree) return false;
     if (moves(code)) { // the numbers of its leaves are not linear in time
@@ -198,7 +224,9 @@ private:
     };
     cell.content = Cell::Content::tree, cell.is_monotone = tree->is_monotone;
     cell.count = static_cast<uint32_t>(tree->steps.size()), cell.first = add(tree->steps, out.tree_steps);
-    cell.leaf_count = tree->leaf_count, cell.leaves = add(tree->leaves, out.leaf_data);
+    float* leaves = leaf_data.add(tree->leaves.size());
+    std::copy(tree->leaves.begin(), tree->leaves.end(), leaves);
+    cell.leaf_count = tree->leaf_count, cell.data = leaves;
     cell.space_count = static_cast<uint32_t>(tree->spaces.size());
     cell.spaces = static_cast<uint32_t>(add(tree->spaces, out.tree_spaces));
     cell.solid_count = static_cast<uint32_t>(tree->solids.size());
@@ -281,7 +309,22 @@ private:
   const FieldProgram& program_;
   Interval threshold_; ///< over the slab
   const CellLimits& limits_;
+  uint32_t windows_;
+  mutable tbb::enumerable_thread_specific<LeafData> leaf_data_; ///< which of them holds a cell's numbers makes no difference
 };
+
+/// Puts the cells in the order of their windows; within one it stays.
+void sort_by_windows(ShapeCells& shape, uint32_t windows) {
+  shape.window_ends.assign(windows, 0);
+  for (const Cell& cell : shape.cells) ++shape.window_ends[cell.window];
+  std::partial_sum(shape.window_ends.begin(), shape.window_ends.end(), shape.window_ends.begin());
+  if (windows == 1) return;
+  std::vector<Cell> sorted(shape.cells.size());
+  std::vector<uint32_t> next(windows, 0);
+  std::copy(shape.window_ends.begin(), shape.window_ends.end() - 1, next.begin() + 1);
+  for (const Cell& cell : shape.cells) sorted[next[cell.window]++] = cell;
+  shape.cells = std::move(sorted);
+}
 
 } // namespace
 
@@ -291,15 +334,16 @@ bool make_coarser(CellLimits& limits) {
   return true;
 }
 
-ShapeCells build_cells(FieldProgram program, const CellLimits& limits) {
+ShapeCells build_cells(FieldProgram program, const CellLimits& limits, uint32_t windows) {
   ShapeCells out;
   if (!program.support.is_empty()) {
     // Off the round numbers that scenes are made of: a surface in the plane between two cells is legal but slow.
     const double pad = 1e-3 * program.support.diagonal() + 1e-6;
     Box3d box = program.support.padded(pad);
     box.upper += Vec3d(0.31, 0.17, 0.23) * pad;
-    Builder(program, limits).build(box, program.code, 0, out);
+    Builder(program, limits, windows).run(box, out);
   }
+  sort_by_windows(out, windows);
   out.program = std::move(program);
   return out;
 }

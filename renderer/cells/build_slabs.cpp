@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -11,6 +12,8 @@ namespace {
 /// Cells hold what passes through them in their slab, so they swell with the way that things go in it; more slabs take longer to
 /// build. In radii of influence.
 constexpr double k_most_motion = 0.51;
+/// Blobs that move farther than this in a slab have two windows in it, which cost next to nothing but their boxes.
+constexpr double k_most_in_window = 0.15;
 /// The interpolation is at most this far from the motion in the middle of a slab and at its breaks: in radii of influence,
 /// or relative for what is no length. Blurred, it does not show.
 constexpr double k_tolerance = 0.005;
@@ -49,10 +52,31 @@ Slab make_slab(const CompileAt& compile_at, std::span<const double> breaks, uint
   return slab;
 }
 
+/// Whether cells can be cut back by the time.
+bool is_sum_of_travelling_blobs(const FieldProgram& program) {
+  const std::vector<Instruction>& steps = program.code.steps;
+  return program.motion && !program.motion->blobs_change && steps.size() == 1 && steps[0].kind == Instruction::Kind::blobs &&
+         steps[0].space == 0;
+}
+
+/// So many slabs at least, for what moves so far in some number of them.
+uint32_t slabs_for(double moved, uint32_t slabs, const CellLimits& limits) {
+  const double wanted = std::min(double(limits.slabs), slabs * std::max(2.0, moved / k_most_motion));
+  return std::bit_ceil(static_cast<uint32_t>(std::ceil(wanted)));
+}
+
+/// The first number of slabs to try. Where one is too few for how far things move, the ends alone show it.
+uint32_t least_slabs(const CompileAt& compile_at, const CellLimits& limits) {
+  if (limits.slabs <= 1) return 1;
+  const std::vector<FieldProgram> ends = compile_at(std::array{0.0, 1 - k_before_the_end});
+  const double moved = difference(ends[0], ends[1]).place;
+  return moved <= k_most_motion ? 1 : slabs_for(moved, 1, limits);
+}
+
 } // namespace
 
 Slabs build_slabs(const CompileAt& compile_at, std::span<const double> breaks, const CellLimits& limits) {
-  for (uint32_t n = 1;;) {
+  for (uint32_t n = least_slabs(compile_at, limits);;) {
     std::vector<Slab> slabs;
     slabs.reserve(n);
     bool is_fine = true;
@@ -63,16 +87,17 @@ Slabs build_slabs(const CompileAt& compile_at, std::span<const double> breaks, c
       moved = std::max(moved, slabs.back().moved);
     }
     if (is_fine || n >= limits.slabs) {
+      const auto travels = [](const Slab& slab) { return is_sum_of_travelling_blobs(slab.program); };
+      const bool has_windows = moved > k_most_in_window && std::all_of(slabs.begin(), slabs.end(), travels);
       Slabs out;
       for (uint32_t i = 0; i < n; ++i) {
-        ShapeCells cells = build_cells(std::move(slabs[i].program), limits);
+        ShapeCells cells = build_cells(std::move(slabs[i].program), limits, has_windows ? 2 : 1);
         cells.slab_start = static_cast<float>(i) / static_cast<float>(n), cells.slabs = static_cast<float>(n);
         out.push_back(std::make_shared<const ShapeCells>(std::move(cells)));
       }
       return out;
     }
-    const double wanted = std::min(double(limits.slabs), n * std::max(2.0, moved / k_most_motion));
-    n = std::bit_ceil(static_cast<uint32_t>(std::ceil(wanted)));
+    n = slabs_for(moved, n, limits);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <bit>
+#include <deque>
 #include <new>
 #include <stdexcept>
 
@@ -25,10 +26,18 @@ size_t slab_of(float time, size_t slabs) { return std::min(static_cast<size_t>(t
 
 } // namespace
 
+/// What Embree has of a shape in a window of time; its primitives are the window's cells.
+struct Window {
+  const ShapeCells* shape;
+  uint32_t first; ///< of ShapeCells::cells
+  std::span<const Cell> cells;
+};
+
 struct CellScene::State {
   std::vector<Slabs> shapes;
   RTCDevice device = nullptr;
-  std::vector<RTCScene> scenes; ///< one for each slab of time of the shape with most of them
+  std::deque<Window> windows;
+  std::vector<RTCScene> scenes; ///< one for each window of time of the shape with most of them
   std::atomic<ssize_t> embree_bytes{0};
   std::atomic<RTCError> error{RTC_ERROR_NONE};
 
@@ -51,7 +60,7 @@ struct Query {
 };
 
 void cell_bounds(const RTCBoundsFunctionArguments* args) {
-  const Box3& box = static_cast<const ShapeCells*>(args->geometryUserPtr)->cells[args->primID].box;
+  const Box3& box = static_cast<const Window*>(args->geometryUserPtr)->cells[args->primID].box;
   // A hair wider: where Embree does not look, clip() must not either, in or out of a packet.
   const Vec3 pad = 1e-6f * glm::max(glm::abs(box.lower), glm::abs(box.upper)) + 1e-12f;
   RTCBounds& out = *args->bounds_o;
@@ -116,7 +125,9 @@ bool is_nearer(float t, unsigned shape, unsigned cell, float t_far, unsigned met
 
 /// Shortens the rays that hit, so that farther cells are culled.
 void cell_intersect(const RTCIntersectFunctionNArguments* args) {
-  const auto& shape = *static_cast<const ShapeCells*>(args->geometryUserPtr);
+  const auto& window = *static_cast<const Window*>(args->geometryUserPtr);
+  const ShapeCells& shape = *window.shape;
+  const unsigned cell = window.first + args->primID;
   const auto& query = *reinterpret_cast<const Query*>(args->context);
   const unsigned n = args->N;
   RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, n);
@@ -124,29 +135,30 @@ void cell_intersect(const RTCIntersectFunctionNArguments* args) {
   alignas(64) std::array<float, k_packet> t;
   uint32_t hits = 0;
   if (n == 1)
-    hits = args->valid[0] && meet(shape, args->geomID, args->primID, *query.rays, RTCRayN_tfar(rays, 1, 0), *query.counters, t[0]);
+    hits = args->valid[0] && meet(shape, args->geomID, cell, *query.rays, RTCRayN_tfar(rays, 1, 0), *query.counters, t[0]);
   else
-    hits = meet(shape, args->geomID, args->primID, query, args->valid, rays, n, false, t.data());
+    hits = meet(shape, args->geomID, cell, query, args->valid, rays, n, false, t.data());
   for (; hits; hits &= hits - 1) {
     const auto i = static_cast<unsigned>(std::countr_zero(hits));
-    if (!is_nearer(t[i], args->geomID, args->primID, RTCRayN_tfar(rays, n, i), RTCHitN_geomID(found, n, i), RTCHitN_primID(found, n, i)))
-      continue;
+    if (!is_nearer(t[i], args->geomID, cell, RTCRayN_tfar(rays, n, i), RTCHitN_geomID(found, n, i), RTCHitN_primID(found, n, i))) continue;
     RTCRayN_tfar(rays, n, i) = t[i];
     RTCHitN_geomID(found, n, i) = args->geomID;
-    RTCHitN_primID(found, n, i) = args->primID;
+    RTCHitN_primID(found, n, i) = cell;
   }
 }
 
 void cell_occluded(const RTCOccludedFunctionNArguments* args) {
-  const auto& shape = *static_cast<const ShapeCells*>(args->geometryUserPtr);
+  const auto& window = *static_cast<const Window*>(args->geometryUserPtr);
+  const ShapeCells& shape = *window.shape;
+  const unsigned cell = window.first + args->primID;
   const auto& query = *reinterpret_cast<const Query*>(args->context);
   const unsigned n = args->N;
   alignas(64) std::array<float, k_packet> t;
   uint32_t hits = 0;
   if (n == 1)
-    hits = args->valid[0] && meet(shape, args->geomID, args->primID, *query.rays, RTCRayN_tfar(args->ray, 1, 0), *query.counters, t[0]);
+    hits = args->valid[0] && meet(shape, args->geomID, cell, *query.rays, RTCRayN_tfar(args->ray, 1, 0), *query.counters, t[0]);
   else
-    hits = meet(shape, args->geomID, args->primID, query, args->valid, args->ray, n, true, t.data());
+    hits = meet(shape, args->geomID, cell, query, args->valid, args->ray, n, true, t.data());
   for (; hits; hits &= hits - 1)
     RTCRayN_tfar(args->ray, n, static_cast<unsigned>(std::countr_zero(hits))) = -std::numeric_limits<float>::infinity();
 }
@@ -180,7 +192,7 @@ Query packet_query(std::span<const Ray> rays, SolveCounters& counters) {
   return query;
 }
 
-/// Calls trace(scene, valid) for each slab of time that some of the rays are in, with those that are.
+/// Calls trace(scene, valid) for each window of time that some of the rays are in, with those that are.
 template <class Trace>
 void for_each_slab(std::span<const Ray> rays, std::span<const RTCScene> scenes, Trace&& trace) {
   alignas(64) std::array<int, k_packet> valid;
@@ -197,12 +209,12 @@ void for_each_slab(std::span<const Ray> rays, std::span<const RTCScene> scenes, 
   }
 }
 
-/// The cells of a shape in one slab of time, for all scenes of that time.
-void attach(RTCDevice device, std::span<const RTCScene> scenes, const ShapeCells& shape, unsigned index) {
-  if (shape.cells.empty()) return;
+/// The cells of a shape in one window of time, for all scenes of that time.
+void attach(RTCDevice device, std::span<const RTCScene> scenes, const Window& window, unsigned index) {
+  if (window.cells.empty()) return;
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(shape.cells.size()));
-  rtcSetGeometryUserData(geometry, const_cast<ShapeCells*>(&shape));
+  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(window.cells.size()));
+  rtcSetGeometryUserData(geometry, const_cast<Window*>(&window));
   rtcSetGeometryBoundsFunction(geometry, cell_bounds, nullptr);
   rtcSetGeometryIntersectFunction(geometry, cell_intersect);
   rtcSetGeometryOccludedFunction(geometry, cell_occluded);
@@ -226,15 +238,22 @@ CellScene::CellScene(std::vector<Slabs> shapes) : state_(std::make_unique<State>
     return true;
   };
   rtcSetDeviceMemoryMonitorFunction(s.device, on_memory, &s);
-  size_t slabs = 1;
-  for (const auto& shape : s.shapes) slabs = std::max(slabs, shape.size());
-  for (size_t i = 0; i < slabs; ++i) {
+  const auto windows_of = [](const Slabs& slabs) { return slabs.size() * slabs[0]->windows(); };
+  size_t windows = 1;
+  for (const Slabs& shape : s.shapes) windows = std::max(windows, windows_of(shape));
+  for (size_t i = 0; i < windows; ++i) {
     s.scenes.push_back(rtcNewScene(s.device));
     rtcSetSceneFlags(s.scenes.back(), RTC_SCENE_FLAG_ROBUST); // cells share walls: no ray may slip through
   }
   for (unsigned i = 0; i < s.shapes.size(); ++i) {
-    const size_t share = slabs / s.shapes[i].size();
-    for (size_t j = 0; j < s.shapes[i].size(); ++j) attach(s.device, std::span(s.scenes).subspan(j * share, share), *s.shapes[i][j], i);
+    const size_t share = windows / windows_of(s.shapes[i]);
+    size_t first_scene = 0;
+    for (const auto& shape : s.shapes[i])
+      for (size_t j = 0; j < shape->windows(); ++j, first_scene += share) {
+        const std::span<const Cell> cells = shape->cells_in(j);
+        s.windows.push_back({shape.get(), static_cast<uint32_t>(cells.data() - shape->cells.data()), cells});
+        attach(s.device, std::span(s.scenes).subspan(first_scene, share), s.windows.back(), i);
+      }
   }
   for (RTCScene scene : s.scenes) rtcCommitScene(scene);
   if (s.error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
@@ -299,7 +318,12 @@ const ShapeCells& CellScene::shape(size_t index, float time) const {
   const Slabs& slabs = state_->shapes[index];
   return *slabs[slab_of(time, slabs.size())];
 }
-size_t CellScene::slab_count() const { return state_->scenes.size(); }
+size_t CellScene::slab_count() const {
+  size_t most = 1;
+  for (const Slabs& slabs : state_->shapes) most = std::max(most, slabs.size());
+  return most;
+}
+size_t CellScene::window_count() const { return state_->scenes.size(); }
 
 size_t CellScene::bytes() const {
   size_t n = static_cast<size_t>(state_->embree_bytes.load());

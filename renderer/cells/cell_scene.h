@@ -37,8 +37,10 @@ public:
   const std::vector<Slabs>& shapes() const;
   /// The cells of a shape at a ray's time.
   const ShapeCells& shape(size_t index, float time) const;
-  /// The most slabs that any shape has. Rays that share a packet had better share a slab.
+  /// The most slabs that any shape has.
   size_t slab_count() const;
+  /// Into so many equal parts time is divided, each with a scene of its own. Rays that share a packet had better share one.
+  size_t window_count() const;
   /// Bytes of Embree's own structures and of the cells.
   size_t bytes() const;
 

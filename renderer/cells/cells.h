@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "base/box.h"
+#include "renderer/cells/leaf_data.h"
 #include "renderer/cells/memory_budget.h"
 #include "renderer/cells/tree.h"
 #include "renderer/program/motion.h"
@@ -30,11 +31,12 @@ struct Cell {
   Vec3 centre; ///< from here count the places of a tree
   Content content = Content::code;
   uint32_t count = 0;                   ///< blobs, padding included; or steps
-  uint64_t first = 0;                   ///< into ShapeCells::leaf_data, ::tree_steps or ::steps
+  uint64_t first = 0;                   ///< into ShapeCells::tree_steps or ::steps
+  const float* data = nullptr;          ///< in ShapeCells::leaf_data: blobs, or the leaves of a tree
   float epsilon = 0;                    ///< offset of secondary rays along the normal: 1e-3 of the smallest radius of influence
   uint32_t leaf_count = 0;              ///< of a tree, padding included
   bool is_monotone = true;              ///< of a tree: TreeView::is_monotone
-  uint64_t leaves = 0;                  ///< of a tree: into ShapeCells::leaf_data
+  uint8_t window = 0;                   ///< the part of the slab in which the box holds the surface
   uint32_t space_count = 0, spaces = 0; ///< of a tree: how many and where in ShapeCells::tree_spaces
   uint32_t solid_count = 0, solids = 0; ///< of a tree: how many and where in ShapeCells::solids
   uint32_t parts = 0, edges = 0;        ///< where those of its solids begin
@@ -42,11 +44,13 @@ struct Cell {
 };
 
 /// All cells of one shape in a slab of time: where nothing moves, the whole time. The code of a cell refers to `operands`
-/// and `blob_indices` from their starts.
+/// and `blob_indices` from their starts. A slab may have several windows, equal parts of its time: they share the numbers of
+/// blobs, but each has boxes of its own, cut back to where the surface is in that time.
 struct ShapeCells {
   FieldProgram program;
-  std::vector<Cell> cells;
-  std::vector<float> leaf_data; ///< blobs, and the leaves of trees
+  std::vector<Cell> cells;           ///< by windows
+  std::vector<uint32_t> window_ends{0}; ///< where the cells of each window end
+  LeafData leaf_data;                ///< blobs, and the leaves of trees
   std::vector<TreeStep> tree_steps;
   std::vector<TreeSpace> tree_spaces;
   std::vector<SolidLeaf> solids;
@@ -67,13 +71,17 @@ struct ShapeCells {
   TreeView tree(const Cell& c) const {
     return {std::span(tree_steps).subspan(c.first, c.count),
             std::span(tree_spaces).subspan(c.spaces, c.space_count),
-            leaf_data.data() + c.leaves,
+            c.data,
             c.leaf_count,
             c.is_monotone,
             {std::span(solids).subspan(c.solids, c.solid_count), solid_parts.data() + c.parts, solid_edges.data() + c.edges},
             lane_axes.data() + c.axes};
   }
-  const float* blobs(const Cell& c) const { return leaf_data.data() + c.first; }
+  size_t windows() const { return window_ends.size(); }
+  std::span<const Cell> cells_in(size_t window) const {
+    const size_t begin = window == 0 ? 0 : window_ends[window - 1];
+    return std::span(cells).subspan(begin, window_ends[window] - begin);
+  }
   size_t bytes() const;
 };
 
@@ -100,8 +108,9 @@ bool make_coarser(CellLimits&);
 
 /// Subdivides the support of a program from the top down: every cell is bounded and pruned; those proved
 /// empty or full are dropped. Parallel within the current TBB arena; the result does not depend on the
-/// number of threads. Throws MemoryBudget::Exceeded.
-ShapeCells build_cells(FieldProgram program, const CellLimits& limits = {});
+/// number of threads. Windows: of a sum of blobs of which the centres move, else they are all the same. Throws
+/// MemoryBudget::Exceeded.
+ShapeCells build_cells(FieldProgram program, const CellLimits& limits = {}, uint32_t windows = 1);
 
 /// The program of a shape at several times of the open shutter, in [0, 1] and ascending, compiled together.
 using CompileAt = std::function<std::vector<FieldProgram>(std::span<const double> times)>;

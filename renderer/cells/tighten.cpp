@@ -46,20 +46,10 @@ struct Layer {
 };
 constexpr Layer k_layers[] = {{0x1111111111111111, 1}, {0x000F000F000F000F, 4}, {0xFFFF, 16}};
 
-/// The box around the parts of a box of which most_within(parts) reaches the threshold.
-template <class MostWithin>
-Box3 tighten(const Box3& box, double threshold, const MostWithin& most_within) {
-  const V enough = set(static_cast<float>(threshold) * k_safe);
-  const Vec3 extent = box.extent();
-  uint64_t reached = 0;
-  for (size_t i = 0; i < 64; i += k_width) {
-    const auto centre = [&](int axis) {
-      return hn::MulAdd(hn::Load(k_lanes, k_part_centres.at[axis] + i), set(extent[axis]), set(box.lower[axis]));
-    };
-    const BoxParts parts{{centre(0), centre(1), centre(2)}, 0.1255f * extent};
-    reached |= uint64_t{bits_of(hn::Ge(most_within(parts), enough))} << i;
-  }
+/// The box around those of its 64 parts that are `reached` (bits).
+Box3 around_parts(const Box3& box, uint64_t reached) {
   if (reached == 0) return {};
+  const Vec3 extent = box.extent();
   Box3 out = box;
   for (int axis = 0; axis < 3; ++axis) {
     const auto is_reached = [&](int i) { return (reached & k_layers[axis].first << (i * k_layers[axis].shift)) != 0; };
@@ -72,24 +62,53 @@ Box3 tighten(const Box3& box, double threshold, const MostWithin& most_within) {
   return out;
 }
 
-Box3 TightenedToBlobs(const Box3& box, Cell::Content content, const float* blobs, size_t n, double threshold) {
+/// Half of a part, and a little more: what rounding may add.
+constexpr float k_half_part = 0.1255f;
+
+Box3 TightenedToBlobs(const Box3& box, Cell::Content content, const float* blobs, size_t n, double threshold, TimeSpan time) {
   const bool is_pure = content == Cell::Content::pure_blobs || content == Cell::Content::moving_pure_blobs;
   const bool moves = content == Cell::Content::moving_pure_blobs;
+  // Squared distances are sums over the axes, and along an axis parts have four places only: all vectors of lanes share those
+  // along x, those of a plane differ along y, and planes along z.
+  constexpr size_t k_vectors = 64 / k_width, k_in_plane = 16 / k_width, k_in_row = std::max<size_t>(4 / k_width, 1);
+  const float middle_time = 0.5f * (time.start + time.end), half_time = 0.5f * (time.end - time.start);
   const V zero = hn::Zero(k_lanes);
-  return tighten(box, threshold, [&](const BoxParts& parts) {
-    V most = zero;
-    for (size_t i = 0; i < n && blobs[3 * n + i] > 0; ++i) { // what pads the list has s < 0
-      const auto number = [&](size_t array) { return blobs[array * n + i]; };
-      const auto apart = [&](V at, float half, size_t axis) {
-        const float along = moves ? 0.5f * number(5 + axis) : 0; // it is somewhere on a segment
-        return hn::Max(hn::Sub(hn::Abs(hn::Sub(at, set(number(axis) + along))), set(half + std::abs(along))), zero);
-      };
-      const V3 d{apart(parts.centre.x, parts.half.x, 0), apart(parts.centre.y, parts.half.y, 1), apart(parts.centre.z, parts.half.z, 2)};
-      const V q = hn::Max(hn::NegMulAdd(set(number(4)), dot(d, d), set(number(3))), zero), squared = hn::Mul(q, q);
-      most = hn::Add(most, is_pure ? squared : hn::Max(hn::Mul(squared, hn::MulAdd(set(number(6)), q, set(number(5)))), zero));
+  const Vec3 extent = box.extent(), half = k_half_part * extent;
+  const auto centre = [&](int axis, size_t i) {
+    return hn::MulAdd(hn::Load(k_lanes, k_part_centres.at[axis] + i), set(extent[axis]), set(box.lower[axis]));
+  };
+  V most[k_vectors], centres_x[k_in_row], centres_y[k_in_plane], centres_z[4];
+  for (size_t i = 0; i < k_in_row; ++i) centres_x[i] = centre(0, i * k_width);
+  for (size_t i = 0; i < k_in_plane; ++i) centres_y[i] = centre(1, i * k_width);
+  for (size_t i = 0; i < 4; ++i) centres_z[i] = centre(2, i * 16);
+  for (V& sum : most) sum = zero;
+  for (size_t i = 0; i < n && blobs[3 * n + i] > 0; ++i) { // what pads the list has s < 0
+    const auto number = [&](size_t array) { return blobs[array * n + i]; };
+    const V k = set(number(4));
+    const auto squared = [&](V d) { return hn::Mul(k, hn::Mul(d, d)); };
+    // How far the blob is from parts along an axis at least; squared, times k.
+    const auto apart2 = [&](size_t axis, const V* from, size_t count, V* out) {
+      // It is somewhere on a segment.
+      const float way = moves ? number(5 + axis) : 0, middle = number(axis) + middle_time * way, along = half_time * std::abs(way);
+      const V at = set(middle), near = set(half[axis] + along);
+      for (size_t j = 0; j < count; ++j) out[j] = squared(hn::Max(hn::Sub(hn::Abs(hn::Sub(from[j], at)), near), zero));
+    };
+    V x[k_in_row], y[k_in_plane], z[4];
+    apart2(0, centres_x, k_in_row, x), apart2(1, centres_y, k_in_plane, y), apart2(2, centres_z, 4, z);
+    const V s = set(number(3));
+    for (size_t j = 0; j < k_in_plane; ++j) {
+      const V in_plane = hn::Sub(s, hn::Add(x[j % k_in_row], y[j]));
+      for (size_t plane = 0; plane < 4; ++plane) {
+        const V q = hn::Max(hn::Sub(in_plane, z[plane]), zero), q2 = hn::Mul(q, q);
+        V& sum = most[plane * k_in_plane + j];
+        sum = hn::Add(sum, is_pure ? q2 : hn::Max(hn::Mul(q2, hn::MulAdd(set(number(6)), q, set(number(5)))), zero));
+      }
     }
-    return most;
-  });
+  }
+  const V enough = set(static_cast<float>(threshold) * k_safe);
+  uint64_t reached = 0;
+  for (size_t i = 0; i < k_vectors; ++i) reached |= uint64_t{bits_of(hn::Ge(most[i], enough))} << (i * k_width);
+  return around_parts(box, reached);
 }
 
 /// What the field of a tree is at most within the parts of a box. Places count from `centre`, as those of the tree do.
@@ -170,7 +189,17 @@ private:
 
 Box3 TightenedToTree(const Box3& box, const TreeView& tree, const Vec3& centre, double threshold) {
   TreeParts parts(tree, centre, threshold);
-  return tighten(box, threshold, [&](const BoxParts& of) { return parts.most_within(of); });
+  const V enough = set(static_cast<float>(threshold) * k_safe);
+  const Vec3 extent = box.extent();
+  uint64_t reached = 0;
+  for (size_t i = 0; i < 64; i += k_width) {
+    const auto middle = [&](int axis) {
+      return hn::MulAdd(hn::Load(k_lanes, k_part_centres.at[axis] + i), set(extent[axis]), set(box.lower[axis]));
+    };
+    const V most = parts.most_within({{middle(0), middle(1), middle(2)}, k_half_part * extent});
+    reached |= uint64_t{bits_of(hn::Ge(most, enough))} << i;
+  }
+  return around_parts(box, reached);
 }
 
 } // namespace HWY_NAMESPACE
@@ -183,8 +212,8 @@ namespace kelpie {
 HWY_EXPORT(TightenedToBlobs);
 HWY_EXPORT(TightenedToTree);
 
-Box3 tightened_to_blobs(const Box3& box, Cell::Content content, const float* blobs, size_t count, double threshold) {
-  return HWY_DYNAMIC_DISPATCH(TightenedToBlobs)(box, content, blobs, count, threshold);
+Box3 tightened_to_blobs(const Box3& box, Cell::Content content, const float* blobs, size_t count, double threshold, TimeSpan time) {
+  return HWY_DYNAMIC_DISPATCH(TightenedToBlobs)(box, content, blobs, count, threshold, time);
 }
 
 Box3 tightened_to_tree(const Box3& box, const TreeView& tree, const Vec3& centre, double threshold) {

@@ -52,8 +52,8 @@ class MovingCamera {
 public:
   /// So many frames after the exposure.
   explicit MovingCamera(const FrameScene& frame, double later = 0)
-      : states_(states_of(frame, later, [](const FrameScene& at) { return at.camera; })), resolution_(frame.film.resolution),
-        standing_(states_[0], resolution_) {}
+      : states_(frame.camera_stands ? std::vector{frame.camera} : states_of(frame, later, [](const FrameScene& at) { return at.camera; })),
+        resolution_(frame.film.resolution), standing_(states_[0], resolution_) {}
 
   CameraRays at(float time) const { return states_.size() == 1 ? standing_ : CameraRays(state_at(states_, time), resolution_); }
   /// Around all its positions.

@@ -5,6 +5,7 @@
 #include <bit>
 #include <mutex>
 #include <numeric>
+#include <optional>
 
 #include <tbb/parallel_for.h>
 
@@ -61,10 +62,12 @@ class FrameIntegrator {
 public:
   FrameIntegrator(const FrameScene& frame, const Tracer& tracer, const std::vector<Light>& lights, const PixelBox& window,
                   IntegrateResult& out)
-      : frame_(frame), tracer_(tracer), paths_(tracer, lights, frame), camera_(frame), next_camera_(frame, 1), filter_(frame.film.filter),
-        window_(window), out_(out), channels_(out.image, frame.film.aovs), surroundings_(tracer, camera_.bounds()),
+      : frame_(frame), tracer_(tracer), paths_(tracer, lights, frame), camera_(frame), filter_(frame.film.filter), window_(window),
+        out_(out), channels_(out.image, frame.film.aovs), surroundings_(tracer, camera_.bounds()),
         frame_number_(static_cast<uint32_t>(std::llround(frame.frame))), is_exposed_(frame.moment && frame.camera.shutter > 0),
-        batch_(samples_at_once(frame.film.spp, tracer.slab_count())) {}
+        batch_(samples_at_once(frame.film.spp, tracer.window_count())) {
+    if (channels_.motion[0]) next_camera_.emplace(frame, 1);
+  }
 
   void tile(int x0, int y0) {
     flush_denormals_in_this_thread();
@@ -242,7 +245,7 @@ private:
   /// moves by the camera alone.
   Vec2 motion(const PixelTally& pixel) const {
     const Ray& ray = pixel.central_ray;
-    const CameraRays now = camera_.at(ray.time), next = next_camera_.at(ray.time);
+    const CameraRays now = camera_.at(ray.time), next = next_camera_->at(ray.time);
     const bool is_hit = pixel.central.is_hit;
     const Vec3 from = is_hit ? pixel.central.hit.position : now.position() + ray.direction;
     const Vec3 to = is_hit ? from + tracer_.velocity(pixel.central.hit, ray.time) : next.position() + ray.direction;
@@ -252,8 +255,8 @@ private:
   }
 
   /// Powers of two: there the sampler puts one sample into each equal part of time.
-  static int samples_at_once(int spp, size_t slabs) {
-    return static_cast<int>(std::max(std::min(k_most_at_once, std::bit_floor(static_cast<uint32_t>(spp))), static_cast<uint32_t>(slabs)));
+  static int samples_at_once(int spp, size_t windows) {
+    return static_cast<int>(std::max(std::min(k_most_at_once, std::bit_floor(static_cast<uint32_t>(spp))), static_cast<uint32_t>(windows)));
   }
 
   static bool is_finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
@@ -261,7 +264,8 @@ private:
   const FrameScene& frame_;
   const Tracer& tracer_;
   PathTracer paths_;
-  MovingCamera camera_, next_camera_; ///< in the exposure, and a frame later
+  MovingCamera camera_;                     ///< in the exposure
+  std::optional<MovingCamera> next_camera_; ///< a frame later: only where the film asks for motion
   PixelFilterSampler filter_;
   PixelBox window_;
   IntegrateResult& out_;
@@ -269,7 +273,7 @@ private:
   Surroundings surroundings_; ///< of the camera
   uint32_t frame_number_;
   bool is_exposed_; ///< rays have times
-  int batch_;       ///< samples of a pixel that are taken at once, and moments by which they go: at least the slabs of time
+  int batch_;       ///< samples of a pixel that are taken at once, and moments by which they go: at least the windows of time
   std::mutex mutex_;
 };
 

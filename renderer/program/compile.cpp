@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "renderer/program/expand.h"
+#include "renderer/program/sort_blobs.h"
 #include "renderer/program/support.h"
 
 namespace kelpie {
@@ -43,6 +44,7 @@ public:
     add_to_sum(static_cast<uint32_t>(first().field.root()), View{0, std::vector<Affine>(moments_.size())}, Demand::sign, sum);
     finish(sum);
     for (size_t i = 1; i < moments_.size(); ++i) moments_[i].code = first().code;
+    sort_blobs(moments_);
     for (FieldProgram& m : moments_) find_support(m, nullptr, m.support);
   }
 

@@ -105,7 +105,7 @@ double cell_rate(const ShapeCells& shape, const Cell& cell, const Vec3& p, float
   switch (cell.content) {
   case Cell::Content::moving_pure_blobs:
   case Cell::Content::moving_mixed_blobs:
-    return blobs_rate(shape.blobs(cell), cell.count, cell.content == Cell::Content::moving_pure_blobs, Vec3d(p), u) - threshold_rate;
+    return blobs_rate(cell.data, cell.count, cell.content == Cell::Content::moving_pure_blobs, Vec3d(p), u) - threshold_rate;
   case Cell::Content::moving_tree:
   case Cell::Content::code: return code_rate(shape, cell, Vec3d(p), u) - threshold_rate;
   default: return -threshold_rate;

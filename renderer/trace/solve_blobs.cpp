@@ -251,7 +251,7 @@ bool SolveBlobs(const ShapeCells& shape, const Cell& cell, const RaySegment& ray
   const float u = shape.slab_time(ray.time);
   const auto threshold = static_cast<float>(threshold_at(shape.program, u));
   return for_content(cell.content, [&]<Cell::Content C>() {
-    return BlobSolver<C>(threshold, ray.from_inside, work, active).run(shape.blobs(cell), cell.count, ray, u, t);
+    return BlobSolver<C>(threshold, ray.from_inside, work, active).run(cell.data, cell.count, ray, u, t);
   });
 }
 
@@ -276,7 +276,7 @@ Vec3 gradient_of(const float* blobs, size_t n, const Vec3& p, float slab_time) {
 
 Vec3 BlobsGradient(const ShapeCells& shape, const Cell& cell, const Vec3& p, float time) {
   return for_content(cell.content,
-                     [&]<Cell::Content C>() { return gradient_of<C>(shape.blobs(cell), cell.count, p, shape.slab_time(time)); });
+                     [&]<Cell::Content C>() { return gradient_of<C>(cell.data, cell.count, p, shape.slab_time(time)); });
 }
 
 } // namespace HWY_NAMESPACE

@@ -265,7 +265,7 @@ uint32_t SolveGroup(const ShapeCells& shape, const Cell& cell, const RayLanes& r
     const double change = shape.program.motion->end.threshold - shape.program.threshold;
     if (change != 0) threshold = hn::MulAdd(set(static_cast<float>(change)), slab_time, threshold);
   }
-  LaneSolver<C>(threshold, slab_time, counters.blob_packets, active).run(shape.blobs(cell), cell.count, segments, enough, hit, unsure, at);
+  LaneSolver<C>(threshold, slab_time, counters.blob_packets, active).run(cell.data, cell.count, segments, enough, hit, unsure, at);
   hn::StoreU(at, k_lanes, t);
   uint32_t hits = bits_of(hit);
   if (!none(unsure)) settle(solve_blobs, shape, cell, rays, first, segments, bits_of(unsure), hits, counters.blobs, t);

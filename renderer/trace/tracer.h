@@ -88,8 +88,10 @@ public:
   /// all of its velocity.)
   Vec3 velocity(const Hit&, float time) const;
 
-  /// The most slabs of time that any shape has, each of the same length: a packet's rays had better share a slab.
+  /// The most slabs of time that any shape has, each of the same length.
   size_t slab_count() const { return cells_->slab_count(); }
+  /// Into so many equal windows time is divided: a packet's rays had better share one.
+  size_t window_count() const { return cells_->window_count(); }
 
   /// The box around all implicit shapes; empty if there are none.
   const Box3& bounds() const { return bounds_; }
