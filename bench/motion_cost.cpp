@@ -37,7 +37,7 @@ FrameScene make_scene(int count, Motion motion, int spp) {
     FrameScene scene;
     scene.frame = t;
     scene.shapes.push_back(std::move(shape));
-    scene.camera.position = Vec3(0.6f, 2.2f, 5.2f), scene.camera.look_at = Vec3(0);
+    scene.camera.position = Vec3(0.6f, 2.2f, 5.2f), scene.camera.look_at = Vec3(0), scene.camera_stands = true;
     SunLight<SampledMode> sun;
     sun.direction = Vec3(1, 2, 1), sun.angle = 0;
     scene.lights.emplace_back(sun);

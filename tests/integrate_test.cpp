@@ -7,6 +7,7 @@
 
 #include "renderer/film/pixel_filter.h"
 #include "renderer/integrate/integrate.h"
+#include "renderer/integrate/sample_batch.h"
 
 namespace kelpie {
 namespace {
@@ -31,6 +32,27 @@ Vec3 direction(double cosine, double phi) {
 }
 
 // The property that makes few samples enough: every 16 samples of a pixel fill all elementary intervals.
+// Many samples at once are what each is alone, to the last bit.
+TEST(Sampler, ABatchIsItsSamples) {
+  for (const uint32_t count : {1u, 3u, 16u, 37u})
+    for (uint32_t pixel = 0; pixel < 20; ++pixel) {
+      const uint32_t first = 16 * pixel * pixel;
+      std::vector<float> x(count), y(count), alone(count);
+      for (uint32_t pair = 0; pair < 3; ++pair) {
+        next_pairs({pixel, 7 * pixel, 5}, pair, first, count, x.data(), y.data());
+        next_numbers({pixel, 7 * pixel, 5}, pair, first, count, alone.data());
+        for (uint32_t i = 0; i < count; ++i) {
+          Sampler sampler(pixel, 7 * pixel, 5, first + i), after({pixel, 7 * pixel, 5}, first + i, pair), again = after;
+          for (uint32_t skipped = 0; skipped < pair; ++skipped) sampler.next_pair();
+          const Vec2 point = sampler.next_pair();
+          ASSERT_EQ(point, Vec2(x[i], y[i]));
+          ASSERT_EQ(point, after.next_pair());
+          ASSERT_EQ(again.next(), alone[i]);
+        }
+      }
+    }
+}
+
 TEST(Sampler, EveryPairOfEveryPixelIsStratified) {
   for (uint32_t pixel = 0; pixel < 200; ++pixel)
     for (int pair = 0; pair < 4; ++pair) {

@@ -11,6 +11,7 @@
 
 #include "renderer/film/pixel_filter.h"
 #include "renderer/integrate/camera_rays.h"
+#include "renderer/integrate/sample_batch.h"
 
 namespace kelpie {
 
@@ -204,15 +205,22 @@ private:
     return {box.x0 + n % box.width(), box.y0 + n / box.width()};
   }
 
-  /// Side by side, so that what they share of a pixel's pattern is computed once.
   void take_samples(Vec2i at, uint32_t pixel, int first, int end, std::vector<Sample>& out) const {
+    const PixelSeed seed(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y), frame_number_);
     const bool has_lens = frame_.camera.aperture > 0;
-    for (int number = first; number < end; ++number) {
-      Sampler sampler(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y), frame_number_, static_cast<uint32_t>(number));
-      const Vec2 offset = filter_.offset(sampler.next_pair());
-      const Vec2 lens = has_lens ? sampler.next_pair() : Vec2(0);
-      const float time = is_exposed_ ? sampler.next() : 0;
-      out.push_back({sampler, offset, lens, time, pixel, number});
+    for (int start = first; start < end; start += k_packet) {
+      const size_t count = std::min(k_packet, static_cast<size_t>(end - start));
+      const auto from = static_cast<uint32_t>(start);
+      std::array<float, k_packet> x, y, lens_x{}, lens_y{}, time{};
+      uint32_t calls = 0;
+      next_pairs(seed, calls++, from, count, x.data(), y.data());
+      if (has_lens) next_pairs(seed, calls++, from, count, lens_x.data(), lens_y.data());
+      if (is_exposed_) next_numbers(seed, calls++, from, count, time.data());
+      for (size_t i = 0; i < count; ++i) {
+        const Vec2 offset = filter_.offset({x[i], y[i]}), lens(lens_x[i], lens_y[i]);
+        const int number = start + static_cast<int>(i);
+        out.push_back({Sampler(seed, static_cast<uint32_t>(number), calls), offset, lens, time[i], pixel, number});
+      }
     }
   }
 

@@ -16,11 +16,23 @@ inline uint32_t hash(uint32_t a, uint32_t b) {
   return static_cast<uint32_t>((x ^ (x >> 31)) >> 16);
 }
 
+/// What the pattern of a pixel in a frame is made of.
+struct PixelSeed {
+  uint32_t seed;
+
+  PixelSeed(uint32_t x, uint32_t y, uint32_t frame) : seed(hash(hash(x, y), frame)) {}
+};
+
 /// The points of one sample of one pixel of one frame: they depend on nothing else, so neither threads nor
 /// crop nor the order of tiles changes a picture. Each call yields the next, independent pair.
 class Sampler {
 public:
-  Sampler(uint32_t x, uint32_t y, uint32_t frame, uint32_t sample) : sample_reversed_(reverse(sample)), seed_(hash(hash(x, y), frame)) {}
+  Sampler(uint32_t x, uint32_t y, uint32_t frame, uint32_t sample) : Sampler(PixelSeed(x, y, frame), sample, 0) {}
+  /// After so many calls.
+  Sampler(PixelSeed pixel, uint32_t sample, uint32_t calls) : sample_reversed_(reverse(sample)), seed_(pixel.seed), pair_(calls) {}
+
+  /// The factors of the scramble.
+  static constexpr uint32_t k_scramble[] = {0x6c50b47cu, 0xb82f1e52u, 0xc7afe638u, 0x8d22f6e6u};
 
   /// The next number in [0, 1); the same call of other samples of the pixel fills it evenly.
   float next() {
@@ -57,15 +69,12 @@ private:
   /// A random permutation of numbers with their bits reversed, in which each bit depends on the lower ones only.
   static uint32_t scramble_reversed(uint32_t x, uint32_t seed) {
     x += seed;
-    x ^= x * 0x6c50b47cu;
-    x ^= x * 0xb82f1e52u;
-    x ^= x * 0xc7afe638u;
-    x ^= x * 0x8d22f6e6u;
+    for (const uint32_t factor : k_scramble) x ^= x * factor;
     return x;
   }
   static float to_unit(uint32_t x) { return static_cast<float>(x >> 8) * 0x1p-24f; }
 
-  uint32_t sample_reversed_, seed_, pair_ = 0;
+  uint32_t sample_reversed_, seed_, pair_;
 };
 
 } // namespace kelpie
