@@ -215,7 +215,9 @@ private:
       cell.content = Cell::Content::moving_tree;
       return false;
     }
-    cell.box = tightened_to_tree(cell.box, tree->view(), cell.centre, program_.threshold);
+    // Twice: a tenth fewer of the costly visits, for a tenth more of building.
+    for (int pass = 0; pass < 2 && !cell.box.is_empty(); ++pass)
+      cell.box = tightened_to_tree(cell.box, tree->view(), cell.centre, program_.threshold);
     if (cell.box.is_empty()) return true;
     const auto add = [](const auto& from, auto& to) {
       const size_t first = to.size();

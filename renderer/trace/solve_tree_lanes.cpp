@@ -221,7 +221,8 @@ private:
     const bool is_line = tree_.row(leaf_space, i) == 0;
     const V rows[] = {hn::IfThenElse(reaches, is_line ? p.x : hn::Zero(k_lanes), set(1e15f)), p.y, p.z, v.x, v.y, v.z};
     float* frame = lanes_.frames.get() + 6 * k_width * lanes_.leaf_count;
-    for (size_t r = 0; r < 6; ++r) hn::Store(rows[r], k_lanes, frame + r * k_width);
+    hn::Store(rows[0], k_lanes, frame);
+    for (size_t r = 1; is_line && r < 6; ++r) hn::Store(rows[r], k_lanes, frame + r * k_width);
     lanes_.leaves[lanes_.leaf_count] = i;
     lanes_.leaf_count += !none(reaches); // not by a branch: nobody can foresee it, and so many leaves are under way at once
     return hn::IfThenElseZero(reaches, peak);
@@ -243,7 +244,10 @@ private:
   }
 
   /// f - T in the middle of each lane's stretch, and its bounds within.
-  Slope evaluate(V s, V h) const {
+  Slope evaluate(V s, V h) const { return wants_low_ ? evaluate_as<true>(s, h) : evaluate_as<false>(s, h); }
+
+  template <bool WantsLow>
+  Slope evaluate_as(V s, V h) const {
     work_.evaluations += hn::CountTrue(k_lanes, live_);
     find_curves(s);
     const V zero = hn::Zero(k_lanes);
@@ -252,10 +256,11 @@ private:
     for (const TreeStep& step : lanes_.steps) {
       if (step.is_join()) {
         depth -= step.count - 1;
-        stack[depth - 1] = join_slopes(step, threshold_, [&](uint32_t i) -> const Slope& { return stack[depth - 1 + i]; });
+        stack[depth - 1] = join_slopes<WantsLow>(step, threshold_, [&](uint32_t i) -> const Slope& { return stack[depth - 1 + i]; });
         continue;
       }
-      stack[depth] = {zero, {zero, zero}, {zero, zero}};
+      stack[depth].value = zero, stack[depth].high = {zero, zero};
+      if constexpr (WantsLow) stack[depth].low = {zero, zero};
       if (step.kind == TreeStep::Kind::solid) {
         add_solid(step, s, h, stack[depth++]);
         continue;
@@ -264,7 +269,9 @@ private:
       ++depth;
     }
     const V below = set(-threshold_);
-    return {hn::Add(stack[0].value, below), stack[0].low + below, stack[0].high + below};
+    Slope f;
+    f.value = hn::Add(stack[0].value, below), f.high = stack[0].high + below;
+    return f;
   }
 
   /// A lane that does not meet the solid has 0 of it, whatever the others do.
@@ -274,9 +281,10 @@ private:
     const SolidLeaf& leaf = tree_.solids.leaves[step.first];
     const Slope f = solid_slope(tree_.solids, leaf, wants_low(step.is_subtracted), place_in_base(leaf, s), velocity_in_base(leaf), h);
     const auto met = [&](V x) { return hn::IfThenElseZero(is_met, x); };
-    out = {met(f.value), {met(f.low.left), met(f.low.right)}, {met(f.high.left), met(f.high.right)}};
+    out = {met(f.value), {met(f.high.left), met(f.high.right)}, {met(f.low.left), met(f.low.right)}};
   }
 
+  /// Of leaves that lie below a subtraction, or anywhere in a tree that is not monotone.
   bool wants_low(bool is_subtracted) const { return !tree_.is_monotone || is_subtracted; }
 
   void add(uint32_t j, bool is_subtracted, V s, V h, Slope& sum) const {
@@ -285,11 +293,13 @@ private:
     const auto frame_row = [&](size_t r) { return hn::Load(k_lanes, frame + r * k_width); };
     const auto row = [&](uint32_t r) { return set(tree_.leaves[r * tree_.leaf_count + i]); };
     const auto slot = static_cast<size_t>(tree_.row(leaf_space, i));
-    const V3 p{frame_row(0), frame_row(1), frame_row(2)}, v{frame_row(3), frame_row(4), frame_row(5)};
-    V3 place{hn::MulAdd(v.x, s, p.x), hn::MulAdd(v.y, s, p.y), hn::MulAdd(v.z, s, p.z)}, velocity = v;
+    V3 place, velocity;
     if (slot > 0) {
       place = place_in_frame(row, found_[slot - 1].place), velocity = velocity_in_frame(row, found_[slot - 1].velocity);
-      place.x = hn::Add(place.x, p.x);
+      place.x = hn::Add(place.x, frame_row(0));
+    } else {
+      const V3 p{frame_row(0), frame_row(1), frame_row(2)};
+      velocity = {frame_row(3), frame_row(4), frame_row(5)}, place = at_time(p, velocity, s);
     }
     add_leaf(Leaf::all(tree_, i), tree_.is_positive(i), wants_low(is_subtracted), place, velocity, drift_within(row, h), h, sum);
   }
@@ -347,7 +357,12 @@ private:
     }
   }
 
+  bool needs_low() const {
+    return !tree_.is_monotone || std::any_of(tree_.steps.begin(), tree_.steps.end(), [](const TreeStep& s) { return s.is_subtracted; });
+  }
+
   TreeView tree_;
+  bool wants_low_ = needs_low();
   WarpedRay curves_;
   float threshold_, negligible_, tiny_;
   V half_;

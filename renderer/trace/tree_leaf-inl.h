@@ -246,7 +246,7 @@ HWY_INLINE void add_leaf(const Leaf& leaf, bool is_positive, bool wants_low, boo
 /// about where it ceases to be. `low` is meant only where the tree asks for it.
 struct Slope {
   V value;
-  Line low, high;
+  Line high, low;
 };
 
 /// The numbers of a potential q^2 (a + b q), q = max(0, 1 - k d^2), that is not negative.
@@ -263,9 +263,7 @@ struct Bump {
     const Line q{closeness(distance.left), closeness(distance.right)}, ends{at(q.left), at(q.right)};
     const V x = hn::Min(q.most(), crest), linear = hn::MulSub(set(6), a, hn::Mul(set(12), b));
     const V c = hn::MulSub(hn::MulAdd(hn::Mul(set(15), b), x, linear), x, hn::Mul(set(4), a));
-    const Line line = ends + hn::Mul(scale(distance), hn::Max(c, hn::Zero(k_lanes)));
-    const V most = ends.most(); // it is nowhere more than that
-    return choose(hn::Lt(line.middle(), most), line, {most, most});
+    return ends + hn::Mul(scale(distance), hn::Max(c, hn::Zero(k_lanes)));
   }
   /// Below it where the distance is at most what lies on a line.
   Line below(const Line& distance) const {
@@ -326,7 +324,7 @@ HWY_NOINLINE Slope join_rare_slopes(const TreeStep& step, float threshold, const
     const Slope& f = at(i);
     return Range{f.value, f.low.least(), f.high.most()};
   });
-  Slope s{r.value, {r.low, r.low}, {r.high, r.high}};
+  Slope s{r.value, {r.high, r.high}, {r.low, r.low}};
   if (step.kind == Kind::local_blend) return s;
   const Slope &a = at(0), &b = at(1);
   const V zero = hn::Zero(k_lanes);
@@ -351,23 +349,31 @@ HWY_NOINLINE Slope join_rare_slopes(const TreeStep& step, float threshold, const
   return s;
 }
 
-/// The operands at(0), at(1), … joined, those joins that are most of a scene without a call.
-template <class At>
+/// The operands at(0), at(1), … joined, those joins that are most of a scene without a call. Unless WantsLow, `low` is left out.
+template <bool WantsLow, class At>
 HWY_INLINE Slope join_slopes(const TreeStep& step, float threshold, const At& at) {
   const Slope &a = at(0), &b = at(1);
+  Slope s;
   switch (step.kind) {
-  case TreeStep::Kind::sum: return {hn::Add(a.value, b.value), a.low + b.low, a.high + b.high};
-  case TreeStep::Kind::maximum: { // convex: below its chord, and above each of the two
-    const auto larger = [](V x, V y) { return hn::Max(x, y); };
-    const V sum_a = hn::Add(a.low.left, a.low.right), sum_b = hn::Add(b.low.left, b.low.right);
-    return {hn::Max(a.value, b.value), choose(hn::Gt(sum_a, sum_b), a.low, b.low), join_ends(a.high, b.high, larger)};
+  case TreeStep::Kind::sum:
+    s.value = hn::Add(a.value, b.value), s.high = a.high + b.high;
+    if constexpr (WantsLow) s.low = a.low + b.low;
+    return s;
+  case TreeStep::Kind::maximum: // convex: below its chord, and above each of the two
+    s.value = hn::Max(a.value, b.value), s.high = join_ends(a.high, b.high, [](V x, V y) { return hn::Max(x, y); });
+    if constexpr (WantsLow) s.low = choose(hn::Gt(a.low.middle(), b.low.middle()), a.low, b.low);
+    return s;
+  case TreeStep::Kind::minimum:
+    s.value = hn::Min(a.value, b.value), s.high = choose(hn::Lt(a.high.most(), b.high.most()), a.high, b.high);
+    if constexpr (WantsLow) s.low = join_ends(a.low, b.low, [](V x, V y) { return hn::Min(x, y); });
+    return s;
+  default: break;
   }
-  case TreeStep::Kind::minimum: {
-    const auto smaller = [](V x, V y) { return hn::Min(x, y); };
-    return {hn::Min(a.value, b.value), join_ends(a.low, b.low, smaller), choose(hn::Lt(a.high.most(), b.high.most()), a.high, b.high)};
-  }
-  default: return join_rare_slopes(step, threshold, at);
-  }
+  return join_rare_slopes(step, threshold, [&](uint32_t i) {
+    Slope f = at(i);
+    if constexpr (!WantsLow) f.low = {hn::Zero(k_lanes), hn::Zero(k_lanes)};
+    return f;
+  });
 }
 
 } // namespace HWY_NAMESPACE
