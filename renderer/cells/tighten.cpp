@@ -39,33 +39,11 @@ struct PartCentres {
 };
 constexpr PartCentres k_part_centres;
 
-/// Those of the 64 parts that are first along an axis, and how far they are from the next.
-struct Layer {
-  uint64_t first;
-  int shift;
-};
-constexpr Layer k_layers[] = {{0x1111111111111111, 1}, {0x000F000F000F000F, 4}, {0xFFFF, 16}};
-
-/// The box around those of its 64 parts that are `reached` (bits).
-Box3 around_parts(const Box3& box, uint64_t reached) {
-  if (reached == 0) return {};
-  const Vec3 extent = box.extent();
-  Box3 out = box;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto is_reached = [&](int i) { return (reached & k_layers[axis].first << (i * k_layers[axis].shift)) != 0; };
-    int low = 0, high = 4;
-    while (!is_reached(low)) ++low;
-    while (!is_reached(high - 1)) --high;
-    if (low > 0) out.lower[axis] += 0.25f * float(low) * extent[axis];
-    if (high < 4) out.upper[axis] = box.lower[axis] + 0.25f * float(high) * extent[axis];
-  }
-  return out;
-}
-
 /// Half of a part, and a little more: what rounding may add.
 constexpr float k_half_part = 0.1255f;
 
-Box3 TightenedToBlobs(const Box3& box, Cell::Content content, const float* blobs, size_t n, double threshold, TimeSpan time) {
+/// Which of the 64 parts of a box may reach the threshold, as bits.
+uint64_t PartsOfBlobs(const Box3& box, Cell::Content content, const float* blobs, size_t n, double threshold, TimeSpan time) {
   const bool is_pure = content == Cell::Content::pure_blobs || content == Cell::Content::moving_pure_blobs;
   const bool moves = content == Cell::Content::moving_pure_blobs;
   // Squared distances are sums over the axes, and along an axis parts have four places only: all vectors of lanes share those
@@ -108,7 +86,7 @@ Box3 TightenedToBlobs(const Box3& box, Cell::Content content, const float* blobs
   const V enough = set(static_cast<float>(threshold) * k_safe);
   uint64_t reached = 0;
   for (size_t i = 0; i < k_vectors; ++i) reached |= uint64_t{bits_of(hn::Ge(most[i], enough))} << (i * k_width);
-  return around_parts(box, reached);
+  return reached;
 }
 
 /// What the field of a tree is at most within the parts of a box. Places count from `centre`, as those of the tree do.
@@ -187,7 +165,8 @@ private:
   V radius_;                     ///< of a part
 };
 
-Box3 TightenedToTree(const Box3& box, const TreeView& tree, const Vec3& centre, double threshold) {
+/// The same for a tree.
+uint64_t PartsOfTree(const Box3& box, const TreeView& tree, const Vec3& centre, double threshold) {
   TreeParts parts(tree, centre, threshold);
   const V enough = set(static_cast<float>(threshold) * k_safe);
   const Vec3 extent = box.extent();
@@ -199,7 +178,7 @@ Box3 TightenedToTree(const Box3& box, const TreeView& tree, const Vec3& centre, 
     const V most = parts.most_within({{middle(0), middle(1), middle(2)}, k_half_part * extent});
     reached |= uint64_t{bits_of(hn::Ge(most, enough))} << i;
   }
-  return around_parts(box, reached);
+  return reached;
 }
 
 } // namespace HWY_NAMESPACE
@@ -209,17 +188,44 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace kelpie {
 
-HWY_EXPORT(TightenedToBlobs);
-HWY_EXPORT(TightenedToTree);
+namespace {
+
+/// Those of the 64 parts that are first along an axis, and how far they are from the next.
+struct Layer {
+  uint64_t first;
+  int shift;
+};
+constexpr Layer k_layers[] = {{0x1111111111111111, 1}, {0x000F000F000F000F, 4}, {0xFFFF, 16}};
+
+/// The box around those of its 64 parts that are `reached` (bits).
+Box3 around_parts(const Box3& box, uint64_t reached) {
+  if (reached == 0) return {};
+  const Vec3 extent = box.extent();
+  Box3 out = box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto is_reached = [&](int i) { return (reached & k_layers[axis].first << (i * k_layers[axis].shift)) != 0; };
+    int low = 0, high = 4;
+    while (!is_reached(low)) ++low;
+    while (!is_reached(high - 1)) --high;
+    if (low > 0) out.lower[axis] += 0.25f * float(low) * extent[axis];
+    if (high < 4) out.upper[axis] = box.lower[axis] + 0.25f * float(high) * extent[axis];
+  }
+  return out;
+}
+
+} // namespace
+
+HWY_EXPORT(PartsOfBlobs);
+HWY_EXPORT(PartsOfTree);
 
 Box3 tightened_to_blobs(const Box3& box, Cell::Content content, const float* blobs, size_t count, double threshold, TimeSpan time) {
-  return HWY_DYNAMIC_DISPATCH(TightenedToBlobs)(box, content, blobs, count, threshold, time);
+  return around_parts(box, HWY_DYNAMIC_DISPATCH(PartsOfBlobs)(box, content, blobs, count, threshold, time));
 }
 
 Box3 tightened_to_tree(const Box3& box, const TreeView& tree, const Vec3& centre, double threshold) {
   const auto is_point_by_point = [](const TreeSpace& s) { return s.warp.form == LaneWarp::Form::none; };
   if (std::any_of(tree.spaces.begin(), tree.spaces.end(), is_point_by_point)) return box;
-  return HWY_DYNAMIC_DISPATCH(TightenedToTree)(box, tree, centre, threshold);
+  return around_parts(box, HWY_DYNAMIC_DISPATCH(PartsOfTree)(box, tree, centre, threshold));
 }
 
 } // namespace kelpie
