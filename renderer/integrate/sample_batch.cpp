@@ -76,12 +76,24 @@ namespace kelpie {
 
 HWY_EXPORT(Points);
 
+namespace {
+
+/// So few are faster one by one.
+constexpr size_t k_few = 4;
+
+} // namespace
+
 void next_pairs(PixelSeed pixel, uint32_t pair, uint32_t first, size_t count, float* x, float* y) {
-  HWY_DYNAMIC_DISPATCH(Points)(pixel, pair, first, count, x, y);
+  if (count >= k_few) return HWY_DYNAMIC_DISPATCH(Points)(pixel, pair, first, count, x, y);
+  for (size_t i = 0; i < count; ++i) {
+    const Vec2 point = Sampler(pixel, first + static_cast<uint32_t>(i), pair).next_pair();
+    x[i] = point.x, y[i] = point.y;
+  }
 }
 
 void next_numbers(PixelSeed pixel, uint32_t pair, uint32_t first, size_t count, float* x) {
-  HWY_DYNAMIC_DISPATCH(Points)(pixel, pair, first, count, x, nullptr);
+  if (count >= k_few) return HWY_DYNAMIC_DISPATCH(Points)(pixel, pair, first, count, x, nullptr);
+  for (size_t i = 0; i < count; ++i) x[i] = Sampler(pixel, first + static_cast<uint32_t>(i), pair).next();
 }
 
 } // namespace kelpie
