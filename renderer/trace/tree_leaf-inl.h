@@ -249,7 +249,7 @@ struct Slope {
   Line high, low;
 };
 
-/// The numbers of a potential q^2 (a + b q), q = max(0, 1 - k d^2), that is not negative.
+/// The numbers of a potential q^2 (a + b q), q = max(0, 1 - k d^2), with a >= 0 and a + b >= 0, as every falloff has.
 struct Bump {
   V k, a, b, crest;
 
