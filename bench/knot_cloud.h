@@ -1,7 +1,7 @@
 // A cloud of overlapping blobs along a knotted tube, with stray drops: the scene of the benchmarks.
 #pragma once
 
-#include "field/blob.h"
+#include "field/potential/blob.h"
 
 namespace kelpie {
 

@@ -6,8 +6,8 @@
 #include <hwy/highway.h>
 
 #include "bench/lane_inversion.h"
+#include "renderer/lanes/warp_lanes-inl.h"
 #include "renderer/render_frame.h"
-#include "renderer/trace/warp_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kelpie {

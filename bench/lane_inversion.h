@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "renderer/cells/lane_warp.h"
+#include "renderer/lanes/lane_warp.h"
 
 namespace kelpie {
 

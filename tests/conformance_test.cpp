@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "field/skeletons/range.h"
+#include "field/range.h"
 #include "scene/library.h"
 #include "tests/support/random_kind.h"
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "field/warps/axis_tube.h"
-#include "renderer/trace/warp_lanes-inl.h"
+#include "renderer/lanes/warp_lanes-inl.h"
 #include "tests/support/random_scene.h"
 
 HWY_BEFORE_NAMESPACE();

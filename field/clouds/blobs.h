@@ -1,6 +1,6 @@
 #pragma once
 
-#include "field/blob.h"
+#include "field/potential/blob.h"
 
 namespace kelpie {
 

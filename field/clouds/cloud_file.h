@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "field/blob.h"
+#include "field/potential/blob.h"
 
 namespace kelpie {
 

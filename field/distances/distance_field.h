@@ -9,7 +9,7 @@
 // Rejected: f = T - d as it is. It has no support, so nothing could be pruned, and it depends on the unit of length.
 #pragma once
 
-#include "field/falloff.h"
+#include "field/potential/falloff.h"
 #include "field/skeletons/frame.h"
 
 namespace kelpie {

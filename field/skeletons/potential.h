@@ -1,7 +1,7 @@
 // From the distance to a skeleton's solid to its potential.
 #pragma once
 
-#include "field/falloff.h"
+#include "field/potential/falloff.h"
 
 namespace kelpie {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "field/falloff.h"
+#include "field/potential/falloff.h"
 #include "field/skeletons/cone_sphere_solid.h"
 
 namespace kelpie {

@@ -1,7 +1,7 @@
 // The paper's parameters of a blob: its sphere, its stiffness, its weight.
 #pragma once
 
-#include "field/blob.h"
+#include "field/potential/blob.h"
 
 namespace kelpie {
 

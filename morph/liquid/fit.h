@@ -1,8 +1,8 @@
 // A mesh as the level surface of a sum of blobs.
 #pragma once
 
-#include "field/blob.h"
 #include "field/mesh/mesh.h"
+#include "field/potential/blob.h"
 
 namespace kelpie {
 

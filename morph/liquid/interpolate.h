@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/kind.h"
-#include "field/blob.h"
+#include "field/potential/blob.h"
 #include "morph/liquid/blob_shape.h"
 
 namespace kelpie {

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "base/kind.h"
-#include "field/blob.h"
+#include "field/potential/blob.h"
 #include "morph/liquid/interpolate.h"
 
 namespace kelpie {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "field/blob.h"
+#include "field/potential/blob.h"
 
 namespace kelpie {
 

@@ -8,10 +8,10 @@
 #include <hwy/highway.h>
 
 #include "renderer/cells/tighten.h"
-#include "renderer/trace/lanes-inl.h"
-#include "renderer/trace/solid_leaf-inl.h"
-#include "renderer/trace/tree_leaf-inl.h"
-#include "renderer/trace/warp_lanes-inl.h"
+#include "renderer/lanes/lanes-inl.h"
+#include "renderer/lanes/solid_leaf-inl.h"
+#include "renderer/lanes/tree_leaf-inl.h"
+#include "renderer/lanes/warp_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kelpie {

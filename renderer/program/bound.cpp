@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "field/skeletons/range.h"
+#include "field/range.h"
 #include "renderer/program/bound_blobs.h"
 #include "renderer/program/motion.h"
 

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "renderer/cells/cells.h"
+#include "renderer/lanes/packet.h"
 #include "renderer/trace/shape_set.h"
 
 namespace kelpie {
@@ -24,9 +25,6 @@ struct RaySegment {
   bool from_inside; ///< the ray comes from inside the shape: the first crossing outward is sought
   float time = 0;   ///< that of the ray
 };
-
-/// The largest packet of rays.
-inline constexpr size_t k_packet = 16;
 
 /// The rays of a packet, a lane each, as Embree lays them out: `count` values side by side.
 struct RayLanes {

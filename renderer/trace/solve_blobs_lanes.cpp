@@ -16,7 +16,8 @@
 #include <array>
 #include <cmath>
 
-#include "renderer/trace/lanes-inl.h"
+#include "renderer/lanes/lanes-inl.h"
+#include "renderer/trace/segments-inl.h"
 #include "renderer/trace/solve.h"
 
 #ifndef KELPIE_SOLVE_BLOBS_LANES_ONCE

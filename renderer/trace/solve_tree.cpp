@@ -15,13 +15,13 @@
 #include <array>
 #include <cmath>
 
+#include "renderer/lanes/solid_leaf-inl.h"
+#include "renderer/lanes/tree_leaf-inl.h"
+#include "renderer/lanes/warp_lanes-inl.h"
+#include "renderer/lanes/warped_ray.h"
 #include "renderer/program/motion.h"
 #include "renderer/trace/bracketed_root.h"
-#include "renderer/trace/solid_leaf-inl.h"
 #include "renderer/trace/solve.h"
-#include "renderer/trace/tree_leaf-inl.h"
-#include "renderer/trace/warp_lanes-inl.h"
-#include "renderer/trace/warped_ray.h"
 
 #ifndef KELPIE_SOLVE_TREE_ONCE
 #define KELPIE_SOLVE_TREE_ONCE

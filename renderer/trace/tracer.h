@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "field/motion.h"
-#include "renderer/cells/cell_scene.h"
-#include "renderer/cells/mesh_scene.h"
+#include "renderer/trace/cell_scene.h"
+#include "renderer/trace/mesh_scene.h"
 #include "scene/scene.h"
 
 namespace kelpie {

@@ -1,4 +1,4 @@
-#include "renderer/cells/mesh_scene.h"
+#include "renderer/trace/mesh_scene.h"
 
 #include <atomic>
 #include <cstring>
@@ -7,7 +7,7 @@
 
 #include <embree3/rtcore.h>
 
-#include "renderer/cells/cell_scene.h"
+#include "renderer/trace/cell_scene.h"
 
 namespace kelpie {
 

@@ -1,4 +1,4 @@
-#include "renderer/cells/lane_warp.h"
+#include "renderer/lanes/lane_warp.h"
 
 #include "field/warps/axis_tube.h"
 

@@ -9,8 +9,8 @@
 #include <hwy/contrib/math/math-inl.h>
 
 #include "field/warps/axis_work.h"
-#include "renderer/cells/tree.h"
-#include "renderer/trace/lanes-inl.h"
+#include "renderer/lanes/lanes-inl.h"
+#include "renderer/lanes/tree_view.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kelpie {

@@ -1,4 +1,4 @@
-#include "renderer/cells/cell_scene.h"
+#include "renderer/trace/cell_scene.h"
 
 #include <algorithm>
 #include <array>

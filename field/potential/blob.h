@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/box.h"
-#include "field/falloff.h"
+#include "field/potential/falloff.h"
 
 namespace kelpie {
 

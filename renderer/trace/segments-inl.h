@@ -1,44 +1,18 @@
-// What the solvers with rays in SIMD lanes share: vectors of up to 16 floats, and a packet's rays clipped to a
-// cell. Included once a target.
-#if defined(KELPIE_LANES_INL) == defined(HWY_TARGET_TOGGLE)
-#ifdef KELPIE_LANES_INL
-#undef KELPIE_LANES_INL
+// What the solvers with rays in SIMD lanes share: a packet's rays clipped to a cell, and the way to the solvers of single rays.
+// Included once a target.
+#if defined(KELPIE_SEGMENTS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef KELPIE_SEGMENTS_INL
+#undef KELPIE_SEGMENTS_INL
 #else
-#define KELPIE_LANES_INL
+#define KELPIE_SEGMENTS_INL
 #endif
 
-#include <hwy/highway.h>
-
+#include "renderer/lanes/lanes-inl.h"
 #include "renderer/trace/solve.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kelpie {
 namespace HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Lanes = hn::CappedTag<float, k_packet>;
-using IntLanes = hn::RebindToSigned<Lanes>;
-using V = hn::Vec<Lanes>;
-using M = hn::Mask<Lanes>;
-constexpr Lanes k_lanes{};
-constexpr size_t k_width = hn::MaxLanes(Lanes{});
-
-/// A point or direction of each lane.
-struct V3 {
-  V x, y, z;
-};
-
-inline V dot(const V3& a, const V3& b) { return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z))); }
-inline V set(float v) { return hn::Set(k_lanes, v); }
-inline bool none(M m) { return hn::AllFalse(k_lanes, m); }
-
-inline M no_lanes() { return hn::Lt(hn::Zero(k_lanes), hn::Zero(k_lanes)); }
-
-inline uint32_t bits_of(M m) {
-  uint8_t bytes[8] = {};
-  hn::StoreMaskBits(k_lanes, m, bytes);
-  return bytes[0] | uint32_t(bytes[1]) << 8;
-}
 
 /// Rays `first`, first + 1, … of a packet in their cell, as clip() has them.
 struct Segments {

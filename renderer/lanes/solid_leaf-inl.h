@@ -7,7 +7,7 @@
 #define KELPIE_SOLID_LEAF_INL
 #endif
 
-#include "renderer/trace/tree_leaf-inl.h"
+#include "renderer/lanes/tree_leaf-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kelpie {

@@ -1,7 +1,8 @@
 // A ray in the warped spaces of a tree, a curve in each.
 #pragma once
 
-#include "renderer/cells/cells.h"
+#include "renderer/lanes/tree_view.h"
+#include "renderer/program/evaluate.h"
 
 namespace kelpie {
 

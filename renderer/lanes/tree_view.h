@@ -1,0 +1,144 @@
+// What the solvers of trees read: a tree of operators over skeletons, under any warps, as flat lists of numbers. Leaves that are
+// cone-spheres (points and segments are the thinnest) are in structure-of-arrays form; other solids, of which a cell
+// has few, are one by one. renderer/cells/tree.h makes it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "base/box.h"
+#include "renderer/lanes/lane_warp.h"
+
+namespace kelpie {
+
+/// Lists of leaves are padded to whole groups of this many, so that any vector width reads them whole.
+inline constexpr uint32_t k_leaf_group = 16;
+
+/// One step of a tree in post-order: pushes the sum of some leaves or a solid, or joins what was pushed last. The
+/// R-functions are those below a sum, in their localised form (field/operators/r_functions.h).
+struct TreeStep {
+  enum class Kind : uint32_t {
+    leaves, ///< cone-spheres
+    solid,
+    sum,
+    maximum,
+    minimum,
+    difference,
+    r_union,
+    r_intersection,
+    r_difference,
+    hyper_blend,
+    local_blend, ///< the last operand is the region
+  };
+  Kind kind = Kind::leaves;
+  uint32_t first = 0; ///< of `leaves`: the first one; of `solid`: which
+  uint32_t count = 0; ///< leaves, or operands: 2, any number of `local_blend`
+  /// The field falls where this rises: it stands below an odd number of subtractions.
+  bool is_subtracted = false;
+  float exponent = 1; ///< of `hyper_blend`
+
+  bool is_join() const { return kind != Kind::leaves && kind != Kind::solid; }
+};
+
+/// A space of the program that is warped in the world: there a ray is a curve.
+struct TreeSpace {
+  uint32_t space; ///< into FieldProgram::spaces
+  Vec3 centre;    ///< the image of the cell's centre, rounded
+  uint32_t base;  ///< from where it is warped: 0: the world; i + 1: TreeView::spaces[i], which is before this one
+  LaneWarp warp;
+};
+
+/// The numbers of a leaf. Its potential at a point p, relative to the centre of the cell in the leaf's space, is q^2 (a + b q) with
+/// q = max(0, 1 - k d^2) and d the distance to the cone-sphere:
+///   (x, y, z) = (x_row, y_row, z_row) p + (x_0, y_0, z_0),   z along the axis,
+///   s = clamp(z - slope |(x, y)|, s_low, s_high),   d = max(0, |(x, y, z - s)| - (r - sine s)).
+/// The axis is measured from its point nearest to the cell, so that nothing here is much larger than the cell
+/// or a radius: float suffices.
+enum LeafRow : uint32_t {
+  leaf_xx,
+  leaf_xy,
+  leaf_xz,
+  leaf_x0, //
+  leaf_yx,
+  leaf_yy,
+  leaf_yz,
+  leaf_y0, //
+  leaf_zx,
+  leaf_zy,
+  leaf_zz,
+  leaf_z0, //
+  leaf_s_low,
+  leaf_s_high,
+  leaf_r,
+  leaf_sine,
+  leaf_slope,
+  leaf_k,
+  leaf_a,
+  leaf_b,
+  leaf_crest,   ///< the q, up to 1, where the potential bends down most (tree_leaf-inl.h)
+  leaf_sign,    ///< 1 where the field rises with nearness to the leaf, -1 where it falls
+  leaf_space,   ///< 0: the world; i + 1: TreeView::spaces[i]
+  leaf_drift,   ///< within the cell, from its tangent at a place h away a ray parts by no more than this times h…
+  leaf_bending, ///< …and this times the square of h
+  k_leaf_rows
+};
+
+/// An edge of a convex polygon, which lies to its left: from (x, y) to (x + along_x, y + along_y).
+struct SolidEdge {
+  float x, y, along_x, along_y, inverse_square; ///< of its length
+};
+
+/// A convex polygon or a rectangle in a plane, and how far it is extruded.
+struct SolidPart {
+  float frame[12];                    ///< rows, as leaf_xx … leaf_z0: where a point is, from the centre of the cell in the leaf's space
+  float x_low, x_high, y_low, y_high; ///< a rectangle, unless there are edges
+  float z_low, z_high;                ///< not of what is turned
+  uint32_t first_edge = 0, edge_count = 0; ///< into Solids::edges
+};
+
+/// A skeleton that is no cone-sphere. Its potential is q^2 (a + b q), as that of the others.
+struct SolidLeaf {
+  enum class Form : uint32_t {
+    extruded, ///< the part as it is
+    turned,   ///< the part, where x is the distance from the axis of its frame and y the height along it
+    arc,      ///< the same of a point, that is a circle, between two ends
+    hull,     ///< the parts are its faces, those that the cell can see: z is outward
+  };
+  Form form;
+  bool is_convex;
+  uint32_t first_part, part_count; ///< into Solids::parts
+  float growth;                    ///< the solid is all that is nearer than this
+  float k, a, b, crest;
+  float sign, drift, bending;               ///< as leaf_sign, leaf_drift, leaf_bending
+  uint32_t slot;                            ///< as leaf_space
+  float end_x, end_y;                       ///< of an arc: its end, on the side y >= 0 of the frame
+  float past_end_x, past_end_y, past_end_0; ///< of an arc: a place is past its end where past_end_x x + past_end_y |y| + past_end_0 > 0
+  uint32_t node, space;                     ///< of the program, for its gradient
+};
+
+/// The solids of a tree.
+struct Solids {
+  std::span<const SolidLeaf> leaves;
+  const SolidPart* parts;
+  const SolidEdge* edges;
+};
+
+/// A tree in a cell: row r of leaf i is leaves[r * leaf_count + i].
+struct TreeView {
+  std::span<const TreeStep> steps;
+  std::span<const TreeSpace> spaces;
+  const float* leaves;
+  size_t leaf_count; ///< with padding: leaves that are 0 everywhere
+  bool is_monotone;  ///< no R-union and no local blend: steps rise, or fall, with each operand
+  Solids solids;
+  const LaneAxis* axes; ///< of its warps
+
+  float row(LeafRow r, size_t i) const { return leaves[r * leaf_count + i]; }
+  /// Whether the potential is positive where it is not 0.
+  bool is_positive(size_t i) const { return row(leaf_a, i) + row(leaf_b, i) > 0; }
+};
+
+/// No deeper stack of sums is solved so, and not more warped spaces in a cell.
+inline constexpr size_t k_tree_depth = 16, k_tree_spaces = 8;
+
+} // namespace kelpie
