@@ -5,8 +5,11 @@
 //   static constexpr std::string_view k_name = "point";      the word in scene files
 //   static constexpr std::string_view k_doc  = "…";          its manual page (Markdown)
 //   static constexpr auto parameters();                      a std::tuple of Parameter rows
-// The rows drive everything: parsing, validation, sampling, `kelpie kinds` and the JSON schema.
-// Defaults are the member initialisers. A KindList is the one line that adds a kind.
+//   static constexpr auto assets();                          if it names files: the members, std::shared_ptr<const T>, that
+//                                                            hold what was in them, filled when the scene is built
+// The rows drive everything: parsing, validation, sampling, `kelpie kinds` and the JSON schema; what else is asked of all values
+// of a table, those of records in it too, is in base/table.h. Defaults are the member initialisers. A KindList is the one line
+// that adds a kind.
 //
 // Rejected: self-registration by static objects (order undefined, lost in static libraries).
 #pragma once
@@ -23,12 +26,11 @@
 #include <vector>
 
 #include "base/animated.h"
+#include "base/error.h"
 
 namespace kelpie {
 
-struct FieldNode; // defined where all lists of field kinds meet: scene/field_node.h
-
-using FieldPtr = std::shared_ptr<FieldNode>;
+struct FieldNode; // where all lists of field kinds meet: morph/field_node.h
 
 /// A file that the scene names. `path` is as written; `resolved` is filled by the reader.
 struct AssetPath {
@@ -38,23 +40,34 @@ struct AssetPath {
   friend bool operator==(const AssetPath&, const AssetPath&) = default;
 };
 
+/// One of the scene's parts, which many may name. `target` is null until all parts are known.
+struct PartReference {
+  std::string name;
+  SourcePosition where{};
+  std::shared_ptr<FieldNode> target{};
+};
+
 /// As written in a scene: numbers are curves, children are nodes, files have names.
 struct AnimatedMode {
   template <class T>
   using Value = Animated<T>;
   using File = AssetPath;
-  using Child = FieldPtr;
-  using Children = std::vector<FieldPtr>;
+  using Child = std::shared_ptr<FieldNode>;
+  using Children = std::vector<Child>;
+  using Reference = PartReference;
 };
 
-/// At one moment: numbers are numbers, children are indices into the sampled field's node array, and of files there is what was in
-/// them only: nodes are many, and small.
+/// At one moment: numbers are numbers, children and references are indices into the sampled field's node array (no other parameter
+/// is unsigned), and of files there is what was in them only: nodes are many, and small.
 struct SampledMode {
   template <class T>
   using Value = T;
-  struct File {};
+  struct File {
+    friend bool operator==(const File&, const File&) = default;
+  };
   using Child = unsigned;
-  using Children = std::vector<unsigned>;
+  using Children = std::vector<Child>;
+  using Reference = unsigned;
 };
 
 /// A parameter that may be animated.
@@ -72,6 +85,13 @@ struct Range {
   constexpr bool contains(double v) const { return (lower_open ? v > lower : v >= lower) && (upper_open ? v < upper : v <= upper); }
 };
 
+/// What a field is to the operator that has it as an operand.
+enum class Role {
+  child,  ///< one of the things that it joins
+  region, ///< says where it does what
+  weight, ///< says how much of others it takes
+};
+
 /// What a row of a table says about its parameter, whatever its type.
 struct ParameterRules {
   std::string_view name;
@@ -85,10 +105,11 @@ struct ParameterRules {
   std::string_view alternative{}; ///< the parameter that excludes this one
   std::string_view example{};     ///< of a required file or part: a name in examples; of a required list: one, as JSON
   std::string_view library{};     ///< where the scene keeps values that this one may be by name: "surfaces"
+  Role role = Role::child;        ///< of a field
 };
 
 /// One row of a kind's table. `T` is the member's type: Value<Mode, float|Vec3|Colour>, int, double, bool,
-/// std::string, Mode::File, PartName, Vec2i, an enumeration with EnumNames, Mode::Child, Mode::Children, the variant of
+/// std::string, Mode::File, Vec2i, an enumeration with EnumNames, Mode::Child, Mode::Children, Mode::Reference, the variant of
 /// a KindList, another struct with a table, or a std::vector or std::optional of such, or a std::map by name.
 template <class Owner, class T>
 struct Parameter : ParameterRules {
@@ -97,67 +118,53 @@ struct Parameter : ParameterRules {
   constexpr Parameter(std::string_view name_, T Owner::*member_, std::string_view doc_) : ParameterRules{name_, doc_}, member(member_) {}
 
   constexpr Parameter in(Unit u) const {
-    auto p = *this;
-    p.unit = u;
-    return p;
+    return with([&](ParameterRules& p) { p.unit = u; });
   }
   constexpr Parameter at_least(double v) const {
-    auto p = *this;
-    p.range.lower = v;
-    return p;
+    return with([&](ParameterRules& p) { p.range.lower = v; });
   }
   constexpr Parameter above(double v) const {
-    auto p = *this;
-    p.range.lower = v;
-    p.range.lower_open = true;
-    return p;
+    return with([&](ParameterRules& p) { p.range.lower = v, p.range.lower_open = true; });
   }
   constexpr Parameter at_most(double v) const {
-    auto p = *this;
-    p.range.upper = v;
-    return p;
+    return with([&](ParameterRules& p) { p.range.upper = v; });
   }
   constexpr Parameter below(double v) const {
-    auto p = *this;
-    p.range.upper = v;
-    p.range.upper_open = true;
-    return p;
+    return with([&](ParameterRules& p) { p.range.upper = v, p.range.upper_open = true; });
   }
   constexpr Parameter required() const {
-    auto p = *this;
-    p.is_required = true;
-    return p;
+    return with([](ParameterRules& p) { p.is_required = true; });
   }
   constexpr Parameter nonzero() const {
-    auto p = *this;
-    p.is_nonzero = true;
-    return p;
+    return with([](ParameterRules& p) { p.is_nonzero = true; });
   }
   constexpr Parameter or_number_for_all() const {
-    auto p = *this;
-    p.is_number_for_all = true;
-    return p;
+    return with([](ParameterRules& p) { p.is_number_for_all = true; });
   }
   constexpr Parameter of_at_least(size_t count) const {
-    auto p = *this;
-    p.least_count = count;
-    return p;
+    return with([&](ParameterRules& p) { p.least_count = count; });
   }
   constexpr Parameter such_as(std::string_view what) const {
-    auto p = *this;
-    p.example = what;
-    return p;
+    return with([&](ParameterRules& p) { p.example = what; });
   }
   /// May be given as a name that the scene's object `where` explains.
   constexpr Parameter or_named_in(std::string_view where) const {
-    auto p = *this;
-    p.library = where;
-    return p;
+    return with([&](ParameterRules& p) { p.library = where; });
   }
   /// Excludes `other`, whose row says the same of this one.
   constexpr Parameter alternative_to(std::string_view other) const {
-    auto p = *this;
-    p.alternative = other;
+    return with([&](ParameterRules& p) { p.alternative = other; });
+  }
+  /// Of a field that is no child.
+  constexpr Parameter as(Role r) const {
+    return with([&](ParameterRules& p) { p.role = r; });
+  }
+
+private:
+  template <class Change>
+  constexpr Parameter with(Change change) const {
+    Parameter p = *this;
+    change(p);
     return p;
   }
 };
@@ -167,34 +174,11 @@ constexpr Parameter<Owner, T> parameter(std::string_view name, T Owner::*member,
   return {name, member, doc};
 }
 
-/// Whether two kinds at one moment have the same parameters, and the same of what was loaded from files.
-template <class Kind>
-bool is_equal(const Kind& a, const Kind& b) {
-  bool equal = true;
-  const auto one = [&](const auto& row) {
-    if constexpr (requires { a.*(row.member) == b.*(row.member); }) equal = equal && a.*(row.member) == b.*(row.member);
-  };
-  std::apply([&](const auto&... rows) { (one(rows), ...); }, Kind::parameters());
-  if constexpr (requires { a.cloud; }) equal = equal && a.cloud == b.cloud;
-  if constexpr (requires { a.morph; }) equal = equal && a.morph == b.morph;
-  if constexpr (requires { a.mesh; }) equal = equal && a.mesh == b.mesh;
-  if constexpr (requires { a.child; }) equal = equal && a.child == b.child;
-  if constexpr (requires { a.divisions(); }) equal = equal && a.divisions() == b.divisions(); // as finely divided
-  if constexpr (requires { a.grid; }) equal = equal && a.grid == b.grid;
-  return equal;
-}
-
 /// What is wrong with parameters that are each fine by themselves. A kind that may have such a problem says so:
 /// `std::optional<ParameterProblem> problem() const`.
 struct ParameterProblem {
   std::string_view parameter; ///< where the problem lies
   std::string message;
-};
-
-/// The name of one of the scene's parts.
-struct PartName {
-  std::string name;
-  friend bool operator==(const PartName&, const PartName&) = default;
 };
 
 /// Specialise for every enumeration that scene files may name:

@@ -20,6 +20,7 @@
 #include "field/operators/hyper_blend.h"
 #include "field/operators/intersection.h"
 #include "field/operators/local_blend.h"
+#include "field/operators/operands.h"
 #include "field/operators/union.h"
 #include "field/skeletons/arc.h"
 #include "field/skeletons/box.h"
@@ -134,16 +135,11 @@ concept ComplexPrimitive = requires(const K k) {
   { k.divisions() } -> std::same_as<Divisions>;
   k.expansion;
 };
-/// Joins the values of its children.
+/// Joins the values of its operands (field/operators/operator.h).
 template <class K>
 concept Operator = requires(const K k, std::span<const double> f, std::span<const Interval> i) {
   k.combine(f, 1.0, Demand::value);
   k.combine(i, 1.0, Demand::value);
-};
-/// Moves the space of its child affinely.
-template <class K>
-concept AffineWarp = requires(const K k) {
-  k.parent_from_child();
 };
 /// Moves the space of its child in any other way: both directions, for every number type, and a box around the image of a
 /// box.

@@ -6,7 +6,7 @@
 
 #include <span>
 
-#include "base/kind.h"
+#include "base/table.h"
 #include "base/vec.h"
 #include "field/operators/operator.h"
 
@@ -15,26 +15,29 @@ namespace kelpie {
 inline float interpolate(float a, float b, double u) { return a + (b - a) * static_cast<float>(u); }
 inline Vec3 interpolate(const Vec3& a, const Vec3& b, double u) { return a + (b - a) * static_cast<float>(u); }
 
-/// As many as both have.
-inline std::vector<Vec3> interpolate(std::vector<Vec3> a, const std::vector<Vec3>& b, double u) {
-  for (size_t i = 0; i < std::min(a.size(), b.size()); ++i) a[i] = interpolate(a[i], b[i], u);
-  return a;
-}
+/// The types of parameters that move: numbers, alone or in lists and records.
+template <class T>
+concept Moves = std::is_same_v<T, float> || std::is_same_v<T, Vec3>;
+/// Those that are the same at all times.
+template <class T>
+concept Stands = std::is_same_v<T, bool> || std::is_same_v<T, int> || std::is_same_v<T, double> || std::is_enum_v<T> ||
+    std::is_same_v<T, std::string> || std::is_same_v<T, SampledMode::File> || IsEdge<T>;
 
-/// Calls visit(row) for every parameter of a sampled kind that is a number or a list of places, and so may move.
-template <class Kind, class Visit>
-void for_each_number(Visit&& visit) {
-  const auto one = [&](const auto& row) {
-    using T = std::decay_t<decltype(std::declval<Kind>().*(row.member))>;
-    if constexpr (std::is_same_v<T, float> || std::is_same_v<T, Vec3> || std::is_same_v<T, std::vector<Vec3>>) visit(row);
+/// Calls visit(numbers…) for every number of some sampled kinds of one type that may move, in step.
+template <class Visit, class Kind, class... Others>
+void for_each_number(Visit&& visit, Kind& first, Others&... others) {
+  const auto one = [&]<class T>(const ParameterRules&, T& number, auto&... more) {
+    using Plain = std::remove_const_t<T>;
+    static_assert(Moves<Plain> || Stands<Plain>, "say above whether the new type moves");
+    if constexpr (Moves<Plain>) visit(number, more...);
   };
-  std::apply([&](const auto&... rows) { (one(rows), ...); }, Kind::parameters());
+  for_each_value(one, first, others...);
 }
 
 /// The numbers of `out` between a (u = 0) and b (u = 1); all else in it stays.
 template <class Kind>
 void interpolate(const Kind& a, const Kind& b, double u, Kind& out) {
-  for_each_number<Kind>([&](const auto& row) { out.*(row.member) = interpolate(a.*(row.member), b.*(row.member), u); });
+  for_each_number([&](const auto& x, const auto& y, auto& z) { z = interpolate(x, y, u); }, a, b, out);
 }
 template <class Kind>
 Kind interpolated(const Kind& a, const Kind& b, double u) {
@@ -46,7 +49,7 @@ Kind interpolated(const Kind& a, const Kind& b, double u) {
 template <class Kind>
 bool is_same(const Kind& a, const Kind& b) {
   bool same = true;
-  for_each_number<Kind>([&](const auto& row) { same = same && a.*(row.member) == b.*(row.member); });
+  for_each_number([&](const auto& x, const auto& y) { same = same && x == y; }, a, b);
   return same;
 }
 

@@ -1,10 +1,10 @@
 #include "renderer/check_surfaces.h"
 
 #include <array>
-#include <set>
 
 #include <fmt/format.h>
 
+#include "morph/field_fold.h"
 #include "renderer/peak.h"
 #include "scene/document.h"
 
@@ -25,26 +25,17 @@ struct Moment {
   SampledShape shape;
 };
 
-/// Finds the node that one of SampledField::nodes was sampled from: in the order of `sample`.
-class NodeFinder {
-public:
-  explicit NodeFinder(size_t index) : left_(index) {}
-
-  /// Null where the tree has fewer nodes.
-  const FieldNode* find(const FieldNode& node, double time_offset = 0) {
-    const FieldNode* found = nullptr;
-    for_each_child(node, [&](const FieldPtr& child) { found = found ? found : find(*child, time_offset); });
-    if (const auto* instance = std::get_if<Instance<AnimatedMode>>(&node.kind); instance && !found)
-      if (const double offset = time_offset + instance->time_offset; parts_.emplace(instance->child.get(), offset).second)
-        found = find(*instance->child, offset);
-    if (found) return found;
-    return left_-- == 0 ? &node : nullptr;
-  }
-
-private:
-  size_t left_; ///< nodes before it
-  std::set<std::pair<const FieldNode*, double>> parts_;
-};
+/// The node that one of SampledField::nodes was sampled from; null where the tree has fewer.
+const FieldNode* node_sampled_as(size_t index, const FieldNode& root) {
+  const FieldNode* found = nullptr;
+  size_t count = 0;
+  FieldFold<std::monostate> fold(PartsShared::in_one_time);
+  fold(root, [&](const FieldNode& node, auto&&...) {
+    if (count++ == index) found = &node;
+    return std::monostate{};
+  });
+  return found;
+}
 
 class ShapeCheck {
 public:
@@ -118,7 +109,7 @@ private:
       const FrameScene at = sample(alone_, look(i));
       if (!skeleton_at_threshold(compile(at.shapes[0].field, at.shapes[0].threshold))) return {};
     }
-    const FieldNode* node = NodeFinder(*at_threshold_).find(*shape_.field);
+    const FieldNode* node = node_sampled_as(*at_threshold_, *shape_.field);
     if (!node) return {};
     const std::string_view name = std::visit([](const auto& kind) { return kind.k_name; }, node->kind);
     return {node->where,

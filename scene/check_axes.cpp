@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/sample_record.h"
 #include "field/warps/axis_tube.h"
 
 namespace kelpie {
@@ -35,14 +36,6 @@ std::set<double> keys_of(const AxialAxis<AnimatedMode>& axis) {
   return frames;
 }
 
-AxisShape shape_at(const AxialAxis<AnimatedMode>& axis, double frame) {
-  AxialAxis<SampledMode> sampled;
-  for (const Animated<Vec3>& point : axis.rest) sampled.rest.push_back(point.at(frame));
-  for (const Animated<Vec3>& point : axis.deformed) sampled.deformed.push_back(point.at(frame));
-  sampled.degree = axis.degree, sampled.radius = axis.radius, sampled.border = axis.border;
-  return Axial<SampledMode>::shape(sampled);
-}
-
 } // namespace
 
 void check_axes(const std::vector<ReadNode>& nodes, const Document& document, ProblemList& problems) {
@@ -67,14 +60,15 @@ void warn_of_folds(const std::vector<ReadNode>& nodes, const Document& document,
       double radius = double(axes[i].radius), at = 0, when = 0;
       const std::set<double> frames = keys_of(axes[i]);
       for (const double frame : frames) {
-        const AxisTube tube(shape_at(axes[i], frame));
+        const AxisTube tube(Axial<SampledMode>::shape(sample_record(axes[i], frame)));
         if (tube.cut_radius() < radius * (1 - 1e-6)) radius = tube.cut_radius(), at = tube.cut_at(), when = frame;
       }
       if (radius == double(axes[i].radius)) continue;
-      diagnostics.warning(document.where((*sources)[i].at),
-                          fmt::format("the tube of this axis is cut to a radius of {:.3g} at {:.3g} of its length{}: a wider one would fold "
-                                      "space there",
-                                      radius, at, frames.size() > 1 ? fmt::format(" (frame {:g})", when) : ""));
+      diagnostics.warning(
+          document.where((*sources)[i].at),
+          fmt::format("the tube of this axis is cut to a radius of {:.3g} at {:.3g} of its length{}: a wider one would fold "
+                      "space there",
+                      radius, at, frames.size() > 1 ? fmt::format(" (frame {:g})", when) : ""));
     }
   }
 }

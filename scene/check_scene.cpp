@@ -1,9 +1,12 @@
 #include "scene/check_scene.h"
 
+#include <algorithm>
 #include <set>
 #include <unordered_map>
 
 #include <fmt/format.h>
+
+#include "morph/field_fold.h"
 
 namespace kelpie {
 
@@ -54,41 +57,33 @@ void check_camera(const Camera<AnimatedMode>& camera, const Document& document, 
   }
 }
 
-/// Finds leaves that make fields endless. Parts are looked at once, however many instances they have.
-class EndlessLeaves {
-public:
-  /// One that makes this field endless; null if there is none.
-  const FieldNode* find(const FieldNode& node) {
-    const auto known = found_.find(&node);
-    if (known != found_.end()) return known->second;
-    const FieldNode* leaf = std::visit([&](const auto& kind) { return find_below(node, kind); }, node.kind);
-    found_.emplace(&node, leaf);
-    return leaf;
-  }
+/// Of what `leaves` make the children of an operator endless, the one that makes its own field so; null for a field with an end.
+const FieldNode* endless_leaf(ExtentOf extent, std::span<const FieldNode* const> leaves) {
+  const auto first = std::find_if(leaves.begin(), leaves.end(), [](const FieldNode* leaf) { return leaf; });
+  if (first == leaves.end()) return nullptr;
+  if (extent == ExtentOf::first_child) return leaves.front();
+  if (extent == ExtentOf::all_children && std::find(leaves.begin(), leaves.end(), nullptr) != leaves.end()) return nullptr;
+  return *first;
+}
 
-private:
-  template <class Kind>
-  const FieldNode* find_below(const FieldNode& node, const Kind& kind) {
-    if constexpr (requires { Kind::k_is_unbounded; }) return &node;
-    if constexpr (requires { kind.child; }) return find(*kind.child);
-    const FieldNode* first = nullptr;
-    if constexpr (requires { kind.children; })
-      for (const FieldPtr& child : kind.children) {
-        const FieldNode* leaf = find(*child);
-        if (extent_of<Kind>() == ExtentOf::first_child) return leaf;
-        if (extent_of<Kind>() == ExtentOf::all_children && !leaf) return nullptr;
-        if (!first) first = leaf;
-      }
-    return first;
-  }
-
-  std::unordered_map<const FieldNode*, const FieldNode*> found_;
-};
+/// A leaf that makes the field below a node endless, given those below its edges; null if there is none.
+template <class Kind>
+const FieldNode* endless_leaf(const FieldNode& node, const Kind& kind, std::span<const FieldNode* const> below) {
+  if constexpr (requires { Kind::k_is_unbounded; }) return &node;
+  std::vector<const FieldNode*> leaves; // of children
+  for_each_edge(kind, [&, next = below.begin()](const auto&, const ParameterRules& rules) mutable {
+    if (const FieldNode* leaf = *next++; rules.role == Role::child) leaves.push_back(leaf);
+  });
+  return endless_leaf(extent_of<Kind>(), leaves);
+}
 
 void check_ends(const Scene& scene, ProblemList& problems) {
-  EndlessLeaves endless;
+  FieldFold<const FieldNode*> endless(PartsShared::always);
+  const auto visit = [](const FieldNode& node, const auto& kind, const TimeMap&, std::span<const FieldNode* const> below) {
+    return endless_leaf(node, kind, below);
+  };
   for (const Shape& shape : scene.shapes)
-    if (const FieldNode* leaf = shape.field ? endless.find(*shape.field) : nullptr)
+    if (const FieldNode* leaf = shape.field ? endless(*shape.field, visit) : nullptr)
       problems.add(leaf->where, fmt::format("shape {} has no end: intersect the {} with something that has one", in_quotes(shape.name),
                                             std::visit([](const auto& kind) { return kind.k_name; }, leaf->kind)));
 }

@@ -33,7 +33,7 @@ struct TriangleMesh {
 A point p of the file is at position + rotation(scale * p). The mesh need not be closed, and is shown as it is; edges
 sharper than `crease` stay edges, all others are smooth.)";
 
-  AssetPath file;
+  typename Mode::File file;
   Value<Mode, Vec3> position{Vec3(0)};
   Value<Mode, Vec3> axis{Vec3(0, 1, 0)};
   Value<Mode, float> angle{0.f};
@@ -55,6 +55,7 @@ sharper than `crease` stay edges, all others are smooth.)";
             .at_most(180),
     };
   }
+  static constexpr auto assets() { return std::tuple{&TriangleMesh::mesh}; }
 
   // Sampled:
   Affine world_from_file() const { return placement(position, axis, angle, scale); }

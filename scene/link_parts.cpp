@@ -1,12 +1,41 @@
 #include "scene/link_parts.h"
 
+#include <numeric>
 #include <unordered_map>
+
+#include "morph/field_fold.h"
 
 namespace kelpie {
 
 namespace {
 
-using InstanceNode = Instance<AnimatedMode>;
+/// Calls visit(reference) for those of one node.
+template <class Node, class Visit>
+void for_each_reference(Node& node, Visit&& visit) {
+  std::visit(
+      [&](auto& kind) {
+        for_each_edge(kind, [&]<class Edge>(Edge& edge, const ParameterRules&) {
+          if constexpr (std::is_same_v<std::remove_const_t<Edge>, PartReference>) visit(edge);
+        });
+      },
+      node.kind);
+}
+
+/// Calls visit(child) for those of one node that could be read.
+template <class Visit>
+void for_each_child(const FieldNode& node, Visit&& visit) {
+  std::visit(
+      [&](const auto& kind) {
+        for_each_edge(kind, [&]<class Edge>(const Edge& edge, const ParameterRules&) {
+          if constexpr (std::is_same_v<Edge, FieldPtr>)
+            if (edge) visit(*edge);
+        });
+      },
+      node.kind);
+}
+
+/// Whether there was a name; if not, that has been reported.
+bool is_read(const PartReference& reference) { return !reference.where.file.empty(); }
 
 /// The parts as a graph. Nothing here recurses through references: a chain of them may be as long as a file.
 class PartGraph {
@@ -14,23 +43,17 @@ public:
   PartGraph(const std::vector<ReadNode>& nodes, Scene& scene, const Document& document, ProblemList& problems)
       : scene_(scene), document_(document), problems_(problems) {
     for (const auto& [name, field] : scene_.parts) index_of_.emplace(name, parts_.size()), parts_.push_back({name, field.get(), {}, 0});
-    for (const ReadNode& n : nodes)
-      if (auto* instance = std::get_if<InstanceNode>(&n.node->kind)) {
-        instances_.push_back(instance);
-        sources_.emplace(instance, n.source->find("of"));
-      }
+    for (const ReadNode& n : nodes) for_each_reference(*n.node, [&](PartReference& reference) { references_.push_back(&reference); });
     for (Part& part : parts_) collect_references(*part.field, part.references);
   }
 
   void check_names() {
+    if (!document_.is_complete) return; // a name may have been in what is missing
     std::vector<std::string_view> known;
     for (const Part& part : parts_) known.push_back(part.name);
-    for (const InstanceNode* instance : instances_) {
-      const JsonValue* of = sources_.at(instance);
-      const bool is_reported = !of || !of->string() || !document_.is_complete;
-      if (!is_reported && target(*instance) == k_none)
-        problems_.add(document_.where(of->at), unknown_name("part", instance->of.name, known));
-    }
+    for (const PartReference* reference : references_)
+      if (is_read(*reference) && target(*reference) == k_none)
+        problems_.add(reference->where, unknown_name("part", reference->name, known));
   }
 
   /// Orders the parts, used ones before their users, and reports every cycle, without which there would be no such order.
@@ -48,11 +71,11 @@ public:
           continue;
         }
         ++path.back().second;
-        const InstanceNode* reference = parts_[at].references[next];
+        const PartReference* reference = parts_[at].references[next];
         const size_t to = target(*reference);
         if (to == k_none || states[to] == State::done) continue;
         if (states[to] == State::open) {
-          problems_.add(document_.where(sources_.at(reference)->at), describe_cycle(path, to));
+          problems_.add(reference->where, describe_cycle(path, to));
           is_sound = false;
         } else {
           path.emplace_back(to, 0), states[to] = State::open;
@@ -73,8 +96,8 @@ public:
 
   /// Only what is sound: shared pointers in a ring would never be freed, those in a long chain not without a deep stack.
   void link() {
-    for (InstanceNode* instance : instances_)
-      if (const auto found = scene_.parts.find(instance->of.name); found != scene_.parts.end()) instance->child = found->second;
+    for (PartReference* reference : references_)
+      if (const auto found = scene_.parts.find(reference->name); found != scene_.parts.end()) reference->target = found->second;
   }
 
 private:
@@ -83,19 +106,17 @@ private:
   struct Part {
     std::string_view name;
     const FieldNode* field;
-    std::vector<const InstanceNode*> references; ///< in it
-    size_t height;                               ///< of its nodes in one another
+    std::vector<const PartReference*> references; ///< in it
+    size_t height;                                ///< of its nodes in one another
   };
 
-  void collect_references(const FieldNode& node, std::vector<const InstanceNode*>& out) const {
-    if (const auto* instance = std::get_if<InstanceNode>(&node.kind)) out.push_back(instance);
-    for_each_child(node, [&](const FieldPtr& child) {
-      if (child) collect_references(*child, out);
-    });
+  void collect_references(const FieldNode& node, std::vector<const PartReference*>& out) const {
+    for_each_reference(node, [&](const PartReference& reference) { out.push_back(&reference); });
+    for_each_child(node, [&](const FieldNode& child) { collect_references(child, out); });
   }
 
-  size_t target(const InstanceNode& instance) const {
-    const auto found = index_of_.find(instance.of.name);
+  size_t target(const PartReference& reference) const {
+    const auto found = index_of_.find(reference.name);
     return found == index_of_.end() ? k_none : found->second;
   }
 
@@ -115,17 +136,18 @@ private:
   /// How deep nodes stand in one another below and with this one, which itself stands at `depth`.
   size_t height(const FieldNode& node, size_t depth) {
     size_t below = 0;
-    for_each_child(node, [&](const FieldPtr& child) {
-      if (child) below = std::max(below, height(*child, depth + 1));
-    });
-    const auto* instance = std::get_if<InstanceNode>(&node.kind);
-    if (!instance) return below + 1;
-    const size_t to = target(*instance);
-    below = to == k_none ? 0 : parts_[to].height;
-    if (depth + below <= limit_) return below + 1;
-    if (!is_too_deep_) problems_.add(document_.where(sources_.at(instance)->at), fmt::format("more than {} fields in one another", limit_));
+    for_each_child(node, [&](const FieldNode& child) { below = std::max(below, height(child, depth + 1)); });
+    for_each_reference(node, [&](const PartReference& reference) { below = std::max(below, height_below(reference, depth)); });
+    return below + 1;
+  }
+
+  /// The same of what a node at `depth` refers to.
+  size_t height_below(const PartReference& reference, size_t depth) {
+    const size_t to = target(reference), height = to == k_none ? 0 : parts_[to].height;
+    if (depth + height <= limit_) return height;
+    if (!is_too_deep_) problems_.add(reference.where, fmt::format("more than {} fields in one another", limit_));
     is_too_deep_ = true;
-    return 1;
+    return 0;
   }
 
   Scene& scene_;
@@ -133,36 +155,25 @@ private:
   ProblemList& problems_;
   std::vector<Part> parts_;
   std::unordered_map<std::string_view, size_t> index_of_;
-  std::vector<InstanceNode*> instances_;
-  std::unordered_map<const InstanceNode*, const JsonValue*> sources_; ///< where they say what they are of
+  std::vector<PartReference*> references_;
   std::vector<size_t> order_;
   size_t limit_ = 0;
   bool is_too_deep_ = false;
 };
 
-/// Nodes, and blobs of clouds, with all that instances refer to.
-class ElementCounter {
-public:
-  double count(const FieldNode& node) {
-    double n = std::visit([&](const auto& kind) { return 1 + own(kind); }, node.kind);
-    for_each_child(node, [&](const FieldPtr& child) { n += count(*child); });
-    return n;
-  }
+/// How many elements something that was loaded is, beside the node that holds it.
+size_t element_count(const BlobCloud& cloud) { return cloud.size(); }
+size_t element_count(const LiquidMorph& morph) { return morph.part_count(); }
+size_t element_count(const DistanceGrid&) { return 0; }
+size_t element_count(const SubdivisionMesh&) { return 0; } // its pieces are another frame's others
 
-private:
-  template <class Kind>
-  double own(const Kind& kind) {
-    if constexpr (requires { kind.cloud; }) return static_cast<double>(kind.cloud->size());
-    if constexpr (requires { kind.morph; }) return static_cast<double>(kind.morph->part_count());
-    return 0;
-  }
-  double own(const InstanceNode& instance) {
-    const auto found = parts_.find(instance.child.get());
-    return found != parts_.end() ? found->second : parts_[instance.child.get()] = count(*instance.child);
-  }
-
-  std::unordered_map<const FieldNode*, double> parts_;
-};
+/// A node's own elements.
+template <class Kind>
+double own_element_count(const Kind& kind) {
+  double count = 1;
+  if constexpr (HasAssets<Kind>) for_each_asset(kind, [&](const auto& asset) { count += static_cast<double>(element_count(*asset)); });
+  return count;
+}
 
 } // namespace
 
@@ -174,11 +185,14 @@ void link_parts(const std::vector<ReadNode>& nodes, Scene& scene, const Document
 }
 
 void check_size(const Scene& scene, ProblemList& problems, const PartLimits& limits) {
-  ElementCounter counter;
+  FieldFold<double> counter(PartsShared::always);
+  const auto visit = [](const FieldNode&, const auto& kind, const TimeMap&, std::span<const double> below) {
+    return std::accumulate(below.begin(), below.end(), own_element_count(kind));
+  };
   double total = 0;
   for (const Shape& shape : scene.shapes) {
     if (!shape.field) continue;
-    total += counter.count(*shape.field);
+    total += counter(*shape.field, visit);
     if (total > limits.elements)
       return problems.add(shape.field->where,
                           fmt::format("with this field the scene has {:.3g} elements, more than {}", total, limits.elements));

@@ -6,6 +6,10 @@ namespace kelpie {
 
 namespace {
 
+template <class Kind>
+constexpr bool k_names_files = std::apply([](const auto&... row) { return (... || std::is_same_v<MemberOf<decltype(row)>, AssetPath>); },
+                                          Kind::parameters());
+
 using CloudPtr = std::shared_ptr<const BlobCloud>;
 
 class AssetLoader {
@@ -13,6 +17,14 @@ public:
   AssetLoader(const Document& document, bool use_cache, ProblemList& problems, Diagnostics& diagnostics)
       : document_(document), use_cache_(use_cache), problems_(problems), diagnostics_(diagnostics) {}
 
+  /// A kind that has assets and no overload below does not compile, nor does one that names files and has none.
+  template <class Kind>
+  void load_assets_of(Kind& kind, const JsonValue& source) {
+    static_assert(HasAssets<Kind> == k_names_files<Kind>, "what files hold is declared by assets()");
+    if constexpr (HasAssets<Kind>) load(kind, source);
+  }
+
+private:
   void load(Blobs<AnimatedMode>& k, const JsonValue& source) { k.cloud = cloud(k.file, source, "file"); }
 
   void load(Liquid<AnimatedMode>& k, const JsonValue& source) {
@@ -52,11 +64,6 @@ public:
     k.grid = loaded;
   }
 
-  /// All other kinds hold nothing.
-  template <class Kind>
-  void load(Kind&, const JsonValue&) {}
-
-private:
   template <class Action>
   void attempt(const JsonValue& at, Action action) {
     try {
@@ -80,8 +87,8 @@ private:
   ProblemList& problems_;
   Diagnostics& diagnostics_;
   std::map<std::string, CloudPtr> clouds_;
-  std::map<std::pair<std::string, float>, std::shared_ptr<const SurfaceMesh>> meshes_;         ///< by file and crease
-  std::map<std::pair<std::string, int>, std::shared_ptr<const SubdivisionMesh>> subdivisions_; ///< by file and levels
+  std::map<std::pair<std::string, float>, std::shared_ptr<const SurfaceMesh>> meshes_;           ///< by file and crease
+  std::map<std::pair<std::string, int>, std::shared_ptr<const SubdivisionMesh>> subdivisions_;   ///< by file and levels
   std::map<std::tuple<std::string, double, double>, std::shared_ptr<const DistanceGrid>> grids_; ///< by file, voxel and reach
 };
 
@@ -90,12 +97,12 @@ private:
 void load_assets(const std::vector<ReadNode>& nodes, Scene& scene, const Document& document, bool use_cache, ProblemList& problems,
                  Diagnostics& diagnostics) {
   AssetLoader loader(document, use_cache, problems, diagnostics);
-  for (const ReadNode& n : nodes) std::visit([&](auto& kind) { loader.load(kind, *n.source); }, n.node->kind);
+  for (const ReadNode& n : nodes) std::visit([&](auto& kind) { loader.load_assets_of(kind, *n.source); }, n.node->kind);
   const JsonValue* shapes = document.root.find("shapes");
   for (size_t i = 0; i < scene.shapes.size(); ++i) // as many as the document has, in its order
     if (scene.shapes[i].geometry) {
       const JsonValue& source = *(*shapes->array())[i].find("geometry");
-      std::visit([&](auto& kind) { loader.load(kind, source); }, *scene.shapes[i].geometry);
+      std::visit([&](auto& kind) { loader.load_assets_of(kind, source); }, *scene.shapes[i].geometry);
     }
 }
 

@@ -77,15 +77,11 @@ template <template <class> class Kind>
 std::string_view field_group() {
   if (k_has_kind<MorphFolderKinds, Kind>) return "fields: morphs";
   if (ComplexPrimitive<Kind<SampledMode>>) return "fields: complex primitives";
-  bool has_child = false, has_children = false, has_file = false;
-  for_each_parameter<Kind<AnimatedMode>>([&](const auto& row) {
-    using T = MemberOf<decltype(row)>;
-    has_child |= std::is_same_v<T, FieldPtr> || std::is_same_v<T, PartName>;
-    has_children |= std::is_same_v<T, std::vector<FieldPtr>>;
-    has_file |= std::is_same_v<T, AssetPath>;
-  });
-  if (SignedDistance<Kind<SampledMode>>) return "fields: signed distances";
-  return has_children ? "fields: operators" : has_child ? "fields: warps" : has_file ? "fields: clouds" : "fields: skeletons";
+  using K = Kind<SampledMode>;
+  if (SignedDistance<K>) return "fields: signed distances";
+  if (Operator<K>) return "fields: operators";
+  if (AffineWarp<K> || Warp<K>) return "fields: warps";
+  return HasAssets<K> ? "fields: clouds" : "fields: skeletons";
 }
 
 template <class List>

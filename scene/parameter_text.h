@@ -15,7 +15,7 @@ inline std::string json_text(int v) { return fmt::format("{}", v); }
 inline std::string json_text(bool v) { return v ? "true" : "false"; }
 inline std::string json_text(const std::string& v) { return v.empty() ? "" : fmt::format("\"{}\"", v); }
 inline std::string json_text(const AssetPath& v) { return json_text(v.path); }
-inline std::string json_text(const PartName& v) { return json_text(v.name); }
+inline std::string json_text(const PartReference& v) { return json_text(v.name); }
 inline std::string json_text(const Vec2i& v) { return fmt::format("[{}, {}]", v.x, v.y); }
 inline std::string json_text(const Vec3& v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); }
 inline std::string json_text(const Colour& v) { return json_text(v.rgb); }
@@ -90,7 +90,7 @@ std::string type_text() {
     return "string";
   else if constexpr (std::is_same_v<T, AssetPath>)
     return "path of a file";
-  else if constexpr (std::is_same_v<T, PartName>)
+  else if constexpr (std::is_same_v<T, PartReference>)
     return "name of a part";
   else if constexpr (std::is_same_v<T, Vec2i>)
     return "[width, height]";
@@ -123,7 +123,7 @@ template <class T>
 std::string plausible_json(const ParameterRules& rules, const T& value) {
   if constexpr (std::is_same_v<T, FieldPtr>)
     return minimal_json<typename std::variant_alternative_t<0, FieldKinds::Variant<AnimatedMode>>>(true);
-  else if constexpr (std::is_same_v<T, AssetPath> || std::is_same_v<T, PartName>)
+  else if constexpr (std::is_same_v<T, AssetPath> || std::is_same_v<T, PartReference>)
     return json_text(std::string(rules.example));
   else if constexpr (std::is_same_v<T, std::string>)
     return fmt::format("\"my {}\"", rules.name);

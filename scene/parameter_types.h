@@ -2,8 +2,7 @@
 // manual and the schema.
 #pragma once
 
-#include <type_traits>
-
+#include "base/table.h"
 #include "scene/scene.h"
 
 namespace kelpie {
@@ -19,44 +18,6 @@ template <>
 inline constexpr std::string_view k_group_name<GeometryKinds> = "geometry";
 template <>
 inline constexpr std::string_view k_group_name<LightKinds> = "light";
-
-/// A struct with a table.
-template <class T>
-concept Record = requires {
-  T::parameters();
-};
-
-template <class E>
-concept NamedEnum = std::is_enum_v<E> && requires {
-  EnumNames<E>::values;
-};
-
-template <class T>
-struct AnimatedTrait : std::false_type {};
-template <class T>
-struct AnimatedTrait<Animated<T>> : std::true_type {
-  using Value = T;
-};
-template <class T>
-concept IsAnimated = AnimatedTrait<T>::value;
-
-template <class T>
-struct ListTrait : std::false_type {};
-template <class T>
-struct ListTrait<std::vector<T>> : std::true_type {
-  using Element = T;
-};
-template <class T>
-concept IsList = ListTrait<T>::value;
-
-template <class T>
-struct OptionalTrait : std::false_type {};
-template <class T>
-struct OptionalTrait<std::optional<T>> : std::true_type {
-  using Value = T;
-};
-template <class T>
-concept IsOptional = OptionalTrait<T>::value;
 
 template <class T>
 struct MapTrait : std::false_type {};
@@ -81,7 +42,7 @@ concept IsKindVariant = KindsTrait<V>::value;
 /// Calls `visit(row)` for each row of a table, in order.
 template <Record T, class Visitor>
 void for_each_parameter(Visitor&& visit) {
-  std::apply([&](const auto&... row) { (visit(row), ...); }, T::parameters());
+  std::apply([&](const auto&... row) { (visit(row), ...); }, k_table<T>);
 }
 
 /// The type of a row's member.

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "materials/surfaces.h"
+#include "morph/field_node.h"
 #include "scene/camera.h"
-#include "scene/field_node.h"
 #include "scene/film.h"
 #include "scene/geometry.h"
 #include "scene/lights.h"

@@ -86,7 +86,7 @@ Json type_schema(const ParameterRules& rules) {
     return colour_schema(rules.range);
   else if constexpr (std::is_same_v<T, Background>)
     return {{"anyOf", {{{"enum", {"environment", "transparent"}}}, colour_schema(rules.range)}}};
-  else if constexpr (std::is_same_v<T, std::string> || std::is_same_v<T, AssetPath> || std::is_same_v<T, PartName>)
+  else if constexpr (std::is_same_v<T, std::string> || std::is_same_v<T, AssetPath> || std::is_same_v<T, PartReference>)
     return {{"type", "string"}, {"minLength", 1}};
   else
     return reference(type_text<T>()); // records and kinds have a definition of their own

@@ -72,9 +72,9 @@ bool ValueReader::read(AssetPath& out, const JsonValue& v, const ParameterRules&
   return true;
 }
 
-bool ValueReader::read(PartName& out, const JsonValue& v, const ParameterRules& rules) {
+bool ValueReader::read(PartReference& out, const JsonValue& v, const ParameterRules& rules) {
   if (!v.string()) return fail_type(v, rules.name, "the name of a part");
-  out.name = *v.string();
+  out.name = *v.string(), out.where = where(v);
   return true;
 }
 

@@ -24,7 +24,7 @@ public:
   bool read(bool& out, const JsonValue&, const ParameterRules&);
   bool read(std::string& out, const JsonValue&, const ParameterRules&);
   bool read(AssetPath& out, const JsonValue&, const ParameterRules&);
-  bool read(PartName& out, const JsonValue&, const ParameterRules&);
+  bool read(PartReference& out, const JsonValue&, const ParameterRules&);
   bool read(Vec2i& out, const JsonValue&, const ParameterRules&);
   bool read(Vec3& out, const JsonValue&, const ParameterRules&);
   bool read(Colour& out, const JsonValue&, const ParameterRules&);

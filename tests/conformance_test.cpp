@@ -252,7 +252,8 @@ struct Operands {
   double threshold;
   std::vector<Interval> ranges;
 
-  explicit Operands(Random& r) : threshold(r.uniform(0.2, 2)), ranges(1 + r.below(5)) {
+  /// At least so many.
+  Operands(Random& r, size_t least) : threshold(r.uniform(0.2, 2)), ranges(least + size_t(r.below(5))) {
     for (Interval& i : ranges) {
       const double a = r.uniform(-1, 3), width = r.below(4) ? r.log_uniform(1e-3, 2) : 0;
       i = r.below(5) ? Interval{a, a + width} : Interval{0, 0}; // often one does not reach the cell
@@ -273,7 +274,7 @@ void for_each_operator(Test&& test) {
         SCOPED_TRACE(trial);
         Random r(trial);
         const Kind<SampledMode> kind = random_kind<Kind>(r);
-        test(kind, Operands(r), trial % 2 ? Demand::value : Demand::sign, r);
+        test(kind, Operands(r, 1 + operands_of(kind).size()), trial % 2 ? Demand::value : Demand::sign, r);
       }
   });
 }
@@ -305,7 +306,7 @@ TEST(Conformance, OperatorsDifferentiate) {
 
 // What is pruned cannot matter: the value is the same, or where only the side is asked for, the side.
 TEST(Conformance, OperatorsKeepWhatMatters) {
-  for_each_operator([](const auto& kind, const Operands& operands, Demand mine, Random& r) {
+  for_each_operator([]<class K>(const K& kind, const Operands& operands, Demand mine, Random& r) {
     for (const Demand demand : {Demand::value, Demand::sign}) { // of the cell
       if (mine < demand) continue;                              // it asks for no more than the whole tree does
       std::vector<char> kept(operands.ranges.size(), true);
@@ -314,9 +315,13 @@ TEST(Conformance, OperatorsKeepWhatMatters) {
         const std::vector<double> f = operands.sample(r);
         std::vector<double> rest;
         for (size_t k = 0; k < f.size(); ++k)
-          if (kept[k]) rest.push_back(f[k]);
+          if (kept[k] || is_positional<K>()) rest.push_back(kept[k] ? f[k] : 0);
         const double whole = kind.combine(std::span<const double>(f), operands.threshold, mine);
-        const double pruned = rest.empty() ? 0 : kind.combine(std::span<const double>(rest), operands.threshold, mine);
+        const auto lone = std::find(kept.begin(), kept.end(), char(true));
+        const bool is_lone = lone_of<K>() == Lone::itself && std::count(lone, kept.end(), char(true)) == 1;
+        const double pruned = rest.empty() ? 0
+                              : is_lone    ? f[size_t(lone - kept.begin())]
+                                           : kind.combine(std::span<const double>(rest), operands.threshold, mine);
         if (demand == Demand::value && !rest.empty()) {
           EXPECT_NEAR(whole, pruned, 1e-12);
         } else if (demand == Demand::value) {

@@ -1,4 +1,6 @@
 // Instances mean what the same fields mean when they are spelled out: every number, at every time.
+#include <functional>
+
 #include <fmt/format.h>
 
 #include "renderer/program/evaluate.h"
@@ -20,44 +22,47 @@ void append(std::string& list, const std::string& element) {
 struct Placement {
   std::string from, to; ///< alike: it does not move
   std::string axis, angle, scale;
-  double time_offset;
+  double time_offset, time_scale;
 
-  /// In a time that began `late` frames ago.
-  std::string position(double late) const {
-    return from == to ? from : fmt::format("{{\"keys\":[[{},{}],[{},{}]]}}", 2 + late, from, 7.5 + late, to);
-  }
+  /// When what the part does at `frame` is seen.
+  double when(double frame) const { return time_offset + frame / time_scale; }
 };
+
+/// The time in which something is spelled out: when its own frames are.
+using Clock = std::function<double(double frame)>;
+const Clock k_here = [](double frame) { return frame; };
+
+std::string curve(const Clock& clock, double first, double last, const std::string& from, const std::string& to) {
+  return fmt::format("{{\"keys\":[[{},{}],[{},{}]]}}", clock(first), from, clock(last), to);
+}
+std::string position(const Placement& p, const Clock& clock) { return p.from == p.to ? p.from : curve(clock, 2, 7.5, p.from, p.to); }
 
 Placement random_placement(Random& r) {
   const Box3d box{Vec3d(-1.5), Vec3d(1.5)};
   const std::string from = text(r.in(box)), to = r.below(2) ? from : text(r.in(box));
   const std::string scale = r.below(2) ? fmt::format("{:.3f}", r.uniform(0.5, 1.5)) : text(r.in({Vec3d(0.5), Vec3d(1.5)}));
-  return {from, to, text(r.direction()), fmt::format("{:.3f}", r.uniform(-180, 180)), scale, 0.25 * r.below(8)};
+  return {from, to, text(r.direction()), fmt::format("{:.3f}", r.uniform(-180, 180)), scale, 0.25 * r.below(8), std::exp2(r.below(4) - 2)};
 }
 
 std::string instance(const std::string& part, const Placement& p) {
-  return fmt::format(R"({{"kind":"instance","of":"{}","position":{},"axis":{},"angle":{},"scale":{},"time_offset":{}}})", part,
-                     p.position(0), p.axis, p.angle, p.scale, p.time_offset);
+  return fmt::format(R"({{"kind":"instance","of":"{}","position":{},"axis":{},"angle":{},"scale":{},"time_offset":{},"time_scale":{}}})",
+                     part, position(p, k_here), p.axis, p.angle, p.scale, p.time_offset, p.time_scale);
 }
 /// The same with the part itself, which is already at its time.
-std::string spelled_out(const std::string& part, const Placement& p, double late) {
+std::string spelled_out(const std::string& part, const Placement& p, const Clock& clock) {
   const std::string scaled = fmt::format(R"({{"kind":"scale","by":{},"child":{}}})", p.scale, part);
   const std::string turned = fmt::format(R"({{"kind":"rotate","axis":{},"angle":{},"child":{}}})", p.axis, p.angle, scaled);
-  return fmt::format(R"({{"kind":"translate","by":{},"child":{}}})", p.position(late), turned);
+  return fmt::format(R"({{"kind":"translate","by":{},"child":{}}})", position(p, clock), turned);
 }
 
-std::string curve(double frame, const std::string& from, const std::string& to) {
-  return fmt::format("{{\"keys\":[[{},{}],[{},{}]]}}", frame, from, frame + 3, to);
+/// Parts that move.
+std::string seed(const Clock& clock) {
+  return R"({"kind":"segment","from":[0,0,0],"to":)" + curve(clock, 1, 4, "[0.3,0,0]", "[0,0.5,0]") + R"(,"radius":0.4,"weight":1.5})";
 }
-
-/// Parts that move, by the frame at which they begin to.
-std::string seed(double begin) {
-  return R"({"kind":"segment","from":[0,0,0],"to":)" + curve(begin, "[0.3,0,0]", "[0,0.5,0]") + R"(,"radius":0.4,"weight":1.5})";
-}
-std::string arm(double begin, const std::string& seeds) {
-  return R"({"kind":"blend","children":[{"kind":"point","centre":)" + curve(begin, "[0,0,0]", "[0,1,0.5]") +
+std::string arm(const Clock& clock, const std::string& seeds) {
+  return R"({"kind":"blend","children":[{"kind":"point","centre":)" + curve(clock, 1, 4, "[0,0,0]", "[0,1,0.5]") +
          R"(,"radius":0.8,"weight":2},{"kind":"twist","rate":60,"child":{"kind":"box","size":[0.5,1,0.3],"centre":[0,0,0],"radius":)" +
-         curve(begin + 1, "0.2", "0.4") + "}}," + seeds + "]}";
+         curve(clock, 2, 5, "0.2", "0.4") + "}}," + seeds + "]}";
 }
 
 TEST(Instances, AreWhatTheyStandFor) {
@@ -72,11 +77,12 @@ TEST(Instances, AreWhatTheyStandFor) {
       const Placement p = random_placement(r);
       append(referring, instance("arm", p));
       std::string fields;
-      for (const Placement& s : seeds) append(fields, spelled_out(seed(1 + p.time_offset + s.time_offset), s, p.time_offset));
-      append(whole, spelled_out(arm(1 + p.time_offset, fields), p, 0));
+      const Clock of_arm = [&](double frame) { return p.when(frame); };
+      for (const Placement& s : seeds) append(fields, spelled_out(seed([&](double frame) { return p.when(s.when(frame)); }), s, of_arm));
+      append(whole, spelled_out(arm(of_arm, fields), p, k_here));
     }
-    const std::string parts =
-        R"("parts":{"arm":)" + arm(1, instance("seed", seeds[0]) + "," + instance("seed", seeds[1])) + R"(,"seed":)" + seed(1) + "},";
+    const std::string parts = R"("parts":{"arm":)" + arm(k_here, instance("seed", seeds[0]) + "," + instance("seed", seeds[1])) +
+                              R"(,"seed":)" + seed(k_here) + "},";
     const auto scene = [&](const std::string& more, const std::string& fields) {
       return folder.read("{\"kelpie\":1," + more + R"("shapes":[{"name":"a","field":{"kind":"blend","children":[)" + fields + "]}}]}");
     };

@@ -38,8 +38,8 @@ TEST(Parts, AreSharedByTheirInstances) {
   const FieldPtr drop = scene.parts.at("drop");
   const auto& of_shape = std::get<Blend<AnimatedMode>>(scene.shapes[0].field->kind).children;
   const auto& of_pair = std::get<Blend<AnimatedMode>>(scene.parts.at("pair")->kind).children;
-  EXPECT_EQ(as_instance(of_shape[0]).child, scene.parts.at("pair"));
-  for (const FieldPtr& instance : {of_shape[1], of_pair[0], of_pair[1]}) EXPECT_EQ(as_instance(instance).child, drop);
+  EXPECT_EQ(as_instance(of_shape[0]).child.target, scene.parts.at("pair"));
+  for (const FieldPtr& instance : {of_shape[1], of_pair[0], of_pair[1]}) EXPECT_EQ(as_instance(instance).child.target, drop);
   // At one moment, too: a point, its two instances in the pair, their blend, its instance, one more of the point, the root.
   EXPECT_EQ(sample(scene, 1).shapes[0].field.nodes.size(), 7u);
 }

@@ -23,6 +23,7 @@ sign) in ASCII or binary; `kelpie fit` writes such files.)";
         parameter("falloff", &Blobs::falloff, "how the potentials decrease"),
     };
   }
+  static constexpr auto assets() { return std::tuple{&Blobs::cloud}; }
 
   // Sampled:
   void append_blobs(BlobCloud& out) const {

@@ -58,6 +58,7 @@ a bulge or a crack. Source: Barbier, Galin, Akkouche; methods.md section 2, comp
         parameter("falloff", &S::falloff, "how the potential decreases"),
     };
   }
+  static constexpr auto assets() { return std::tuple{&Subdivision::mesh}; }
 
   // Sampled:
 

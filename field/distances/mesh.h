@@ -30,7 +30,7 @@ are rounded by about half of one. With a voxel of a 200th of the mesh's size or 
 first time takes seconds. With another falloff it is a soft skeleton. Source: methods.md section 2; Jacobson, Kavan and
 Sorkine-Hornung 2013, Barill et al. 2018 (winding numbers).)";
 
-  AssetPath file;
+  typename Mode::File file;
   double voxel = 0;
   Value<Mode, float> radius{0.f};
   Value<Mode, float> weight{1.f};
@@ -49,6 +49,7 @@ Sorkine-Hornung 2013, Barill et al. 2018 (winding numbers).)";
         parameter("falloff", &SdfMesh::falloff, k_distance_falloff_doc),
     };
   }
+  static constexpr auto assets() { return std::tuple{&SdfMesh::grid}; }
 
   // Sampled:
 

@@ -25,7 +25,7 @@ taken, whose field has no crease off the surface. Source: methods.md section 2.)
     };
   }
 
-  static constexpr bool k_is_clamped = true;
+  static constexpr Lone k_lone = Lone::above_0;
   static constexpr ExtentOf k_extent = ExtentOf::first_child;
   bool scales_with_threshold(Demand /*mine*/) const { return true; }
 

@@ -27,7 +27,7 @@ With n < 1 the slope has no bound where a child ends: pictures take longer. Sour
     };
   }
 
-  static constexpr bool k_is_clamped = true;
+  static constexpr Lone k_lone = Lone::above_0;
 
   double combine(std::span<const double> f, double /*threshold*/, Demand /*mine*/) const {
     return total(f.size(), [&](size_t i) { return f[i]; });

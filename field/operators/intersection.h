@@ -27,7 +27,7 @@ Source: methods.md section 2.)";
     };
   }
 
-  static constexpr bool k_is_clamped = true;
+  static constexpr Lone k_lone = Lone::above_0;
   static constexpr ExtentOf k_extent = ExtentOf::all_children;
   bool scales_with_threshold(Demand mine) const { return is_smooth(formula, mine); }
 

@@ -20,20 +20,20 @@ the one becomes the other. So a hand may touch a face without growing into it. S
   static constexpr auto parameters() {
     return std::tuple{
         parameter("children", &LocalBlend::children, "the fields to join").required(),
-        parameter("region", &LocalBlend::region, "the field that says where they flow together").required(),
+        parameter("region", &LocalBlend::region, "the field that says where they flow together").required().as(Role::region),
     };
   }
 
-  // The last operand is the region; a lone operand is a child.
+  // The last operand is the region. Only a child can be left alone, and then is all there is.
+  static constexpr bool k_is_positional = true;
+  static constexpr Lone k_lone = Lone::itself;
 
   double combine(std::span<const double> f, double /*threshold*/, Demand /*mine*/) const {
-    if (f.size() == 1) return f[0];
     return mix(
         f.size() - 1, [&](size_t i) { return f[i]; }, clamp(f.back(), 0, 1));
   }
   /// It rises with every child, and is linear in the region.
   Interval combine(std::span<const Interval> f, double /*threshold*/, Demand /*mine*/) const {
-    if (f.size() == 1) return f[0];
     const size_t count = f.size() - 1;
     const Interval region_range = clamp(f.back(), 0, 1);
     const auto lo = [&](size_t i) { return f[i].lo; };
@@ -43,7 +43,6 @@ the one becomes the other. So a hand may touch a face without growing into it. S
   }
   template <class T, int N>
   Dual<T, N> combine(std::span<const Dual<T, N>> f, double threshold, Demand mine) const {
-    if (f.size() == 1) return f[0];
     const std::span<const Dual<T, N>> parts = f.first(f.size() - 1);
     std::vector<T> values;
     for (const Dual<T, N>& x : f) values.push_back(x.value);
@@ -57,16 +56,14 @@ the one becomes the other. So a hand may touch a face without growing into it. S
     return out;
   }
 
-  /// A child that is 0 throughout adds nothing, and is the largest only where all others are negative. Of
-  /// one child nothing but itself is left.
+  /// What is 0 throughout is as good as the constant. A child beside which there is nothing, and that is never negative, needs no region;
+  /// nor does an only child.
   void keep(std::span<const Interval> f, double /*threshold*/, Demand /*mine*/, std::span<char> kept) const {
-    if (f.size() == 1) return;
     const size_t count = f.size() - 1;
-    bool never_negative = false;
-    for (size_t i = 0; i < count; ++i) never_negative |= f[i].lo >= 0 && f[i].hi > 0;
-    size_t left = 0;
-    for (size_t i = 0; i < count; ++i) left += kept[i] = !(never_negative && f[i].lo == 0 && f[i].hi == 0);
-    if (left == 1) kept[count] = false;
+    size_t left = 0, last = 0;
+    for (size_t i = 0; i < count; ++i)
+      if ((kept[i] = f[i].lo != 0 || f[i].hi != 0)) ++left, last = i;
+    if (left == 1 && (f[last].lo >= 0 || count == 1)) kept[count] = false;
   }
   Demand demand_of_operands(Demand mine, size_t count) const { return count == 1 ? mine : Demand::value; }
 

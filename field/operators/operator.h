@@ -3,10 +3,11 @@
 // An operator has, besides its table,
 //   Real combine(span<const Real> f, double threshold, Demand mine)   its formula, for double, Interval and Dual
 //   void keep(f, threshold, mine, kept)           which operands can matter in a cell where they lie in f
-//   Demand demand_of_operands(mine, count)        what its operands must yield
-// One that depends on the threshold has `bool scales_with_threshold(mine)`: combine(s f, s T) = s combine(f, T). A parameter
-// that is animated moves the value one way: between two values of it, `combine` lies between those at both.
-// With one operand left, `combine` must be either that operand or (k_is_clamped) its part above 0.
+//   Demand demand_of_operands(mine, count)        what its operands must yield, where so many are kept
+// One that depends on the threshold has `bool scales_with_threshold(mine)`: combine(s f, s T) = s combine(f, T). Between two states
+// of it, whose numbers are interpolated together, `combine` lies between those of both. Its operands are what its table leads to, in
+// roles that the table says; one that sees some of them through maps, or several times, says so itself (field/operators/operands.h).
+// What becomes of it where operands are dropped is said by `k_is_positional` and `k_lone`.
 //
 // The demand of `combine` is that of the node in the whole tree, given once at compile time, so that the
 // field's value does not depend on the cell in which it is evaluated. That of `keep` is the cell's: where a
@@ -18,7 +19,7 @@
 #include <span>
 
 #include "base/dual.h"
-#include "base/kind.h"
+#include "base/table.h"
 
 namespace kelpie {
 
@@ -26,8 +27,8 @@ namespace kelpie {
 /// and differences up to the root), or its value (a blend above it).
 enum class Demand { sign, value };
 
-/// Where what an operator makes of its children may be above 0: where any of them is (said of all that do not say otherwise by
-/// `k_extent`), where all are, or where the first is.
+/// Where what an operator makes of its children (operands of other roles do not count) may be above 0: where any of them is (said of all
+/// that do not say otherwise by `k_extent`), where all are, or where the first is.
 enum class ExtentOf { any_child, all_children, first_child };
 template <class Kind>
 constexpr ExtentOf extent_of() {
@@ -35,12 +36,21 @@ constexpr ExtentOf extent_of() {
   return ExtentOf::any_child;
 }
 
-/// The operands of an operator, in the order in which `combine` has them: its children, then its region.
+/// What is left of an operator whose operands have all been dropped but one: that operand itself (said of all that do not say otherwise by
+/// `k_lone`), its part above 0, or still the operator.
+enum class Lone { itself, above_0, combined };
+
+/// One that tells its operands apart by their places has `k_is_positional = true`: what is dropped leaves the constant 0 in its place, and
+/// `combine` always has as many values as there are operands.
 template <class Kind>
-std::vector<unsigned> operands_of(const Kind& kind) {
-  std::vector<unsigned> operands = kind.children;
-  if constexpr (requires { kind.region; }) operands.push_back(kind.region);
-  return operands;
+constexpr bool is_positional() {
+  if constexpr (requires { Kind::k_is_positional; }) return Kind::k_is_positional;
+  return false;
+}
+template <class Kind>
+constexpr Lone lone_of() {
+  if constexpr (requires { Kind::k_lone; }) return Kind::k_lone;
+  return is_positional<Kind>() ? Lone::combined : Lone::itself;
 }
 
 /// r += slope * x, of derivatives only; an unbounded slope leaves nothing to say (and no NaN).

@@ -37,6 +37,7 @@ methods.md section 1.)";
         parameter("progress", &Liquid::progress, "0 is `from`, 1 is `to`").at_least(0).at_most(1).required(),
     };
   }
+  static constexpr auto assets() { return std::tuple{&Liquid::morph}; }
 
   // Sampled:
   void append_blobs(BlobCloud& out) const { morph->append_blobs(progress, out); }

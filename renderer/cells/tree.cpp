@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "renderer/cells/solid_parts.h"
 #include "renderer/program/evaluate.h"
@@ -82,7 +83,7 @@ private:
     const std::optional<TreeStep::Kind> kind = step.kind == Instruction::Kind::combine ? kind_of(step) : TreeStep::Kind::sum;
     if (!kind) return false;
     if (*kind == TreeStep::Kind::sum) return emit_sum(position, depth, is_subtracted);
-    if (*kind == TreeStep::Kind::local_blend && step.count > 1) return emit_local_blend(step, depth, is_subtracted);
+    if (*kind == TreeStep::Kind::local_blend) return emit_local_blend(step, depth, is_subtracted);
     const bool subtracts = *kind == TreeStep::Kind::difference || *kind == TreeStep::Kind::r_difference;
     const bool is_clamped =
         subtracts || *kind == TreeStep::Kind::r_union || *kind == TreeStep::Kind::r_intersection || *kind == TreeStep::Kind::hyper_blend;
@@ -107,14 +108,25 @@ private:
 
   float exponent_of(const Instruction& step) const { return std::get<HyperBlend<SampledMode>>(program_.field.nodes[step.node]).n; }
 
+  /// What a dropped operand leaves in its place.
+  bool is_nothing(uint32_t position) const {
+    const Instruction& step = code_.steps[position];
+    return step.kind == Instruction::Kind::blobs && step.count == 0;
+  }
+
   /// All operands at once: it is not made of pairs. With the region it falls where the children that are not the largest
   /// are negative.
   bool emit_local_blend(const Instruction& step, size_t depth, bool is_subtracted) {
     out_.is_monotone = false;
-    size_t above = 0;
-    for (const uint32_t operand : operands(step))
-      if (!emit(operand, depth + above++, is_subtracted)) return false;
-    out_.steps.push_back({TreeStep::Kind::local_blend, 0, step.count, is_subtracted});
+    const std::span<const uint32_t> all = operands(step);
+    uint32_t count = 0;
+    bool has_nothing = false;
+    for (size_t i = 0; i < all.size(); ++i) {
+      const bool is_region = i + 1 == all.size();
+      if (!is_region && is_nothing(all[i]) && std::exchange(has_nothing, true)) continue; // one constant 0 stands for all
+      if (!emit(all[i], depth + count++, is_subtracted)) return false;
+    }
+    out_.steps.push_back({TreeStep::Kind::local_blend, 0, count, is_subtracted});
     return true;
   }
 

@@ -195,22 +195,33 @@ private:
       for (size_t i = 0; i < kept.size(); ++i) kept[i] = kept[i] || at_end[i];
     }
     const auto count = static_cast<size_t>(std::count(kept.begin(), kept.end(), char(true)));
-    if (count == 0) return push({});
+    if (count == 0 && !is_positional<Kind>()) return push({});
     const Demand below = kind.demand_of_operands(demand, count);
-    std::vector<uint32_t> positions;
-    for (uint32_t i = 0; i < step.count; ++i)
-      if (kept[i]) positions.push_back(emit(code_.operands[step.first + i], below));
-    // A lone operand is the result; some operators clamp it at 0, which no sign depends on.
     if (count == 1) {
       const auto i = static_cast<size_t>(std::find(kept.begin(), kept.end(), char(true)) - kept.begin());
-      const bool passes = demand == Demand::sign || !requires { Kind::k_is_clamped; }
-      || operands[i].lo >= 0;
-      if (passes) return positions[0];
+      if (is_result<Kind>(operands[i], demand)) return emit(code_.operands[step.first + i], below);
     }
+    std::vector<uint32_t> positions;
+    for (uint32_t i = 0; i < step.count; ++i)
+      if (kept[i])
+        positions.push_back(emit(code_.operands[step.first + i], below));
+      else if (is_positional<Kind>())
+        positions.push_back(push({})); // the constant 0
     Instruction out = step;
     out.first = static_cast<uint32_t>(out_.operands.size()), out.count = static_cast<uint32_t>(positions.size());
     out_.operands.insert(out_.operands.end(), positions.begin(), positions.end());
     return push(out);
+  }
+
+  /// Whether a lone operand is what the operator yields. Where that is its part above 0, no sign depends on the rest.
+  template <class Kind>
+  static bool is_result(const Interval& operand, Demand demand) {
+    switch (lone_of<Kind>()) {
+    case Lone::itself: return true;
+    case Lone::above_0: return demand == Demand::sign || operand.lo >= 0;
+    case Lone::combined: return false;
+    }
+    return false;
   }
 
   /// Emits what is left of a step; returns its new position.

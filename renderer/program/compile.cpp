@@ -78,10 +78,7 @@ private:
             const Demand below = kind.demand_of_operands(demand, kind.children.size());
             for (uint32_t child : kind.children) add_to_sum(child, view, below, sum);
           } else if constexpr (AffineWarp<K>) {
-            View below = view;
-            for (size_t i = 0; i < moments_.size(); ++i)
-              below.space_from_here[i] = view.space_from_here[i] * node<K>(i, index).parent_from_child();
-            add_to_sum(kind.child, below, demand, sum);
+            for_each_operand_seen<K>(index, view, [&](uint32_t child, const View& below) { add_to_sum(child, below, demand, sum); });
           } else if constexpr (Warp<K>) {
             add_to_sum(kind.child, {push_space(view, index), std::vector<Affine>(moments_.size())}, demand, sum);
           } else if constexpr (BlobSource<K>) {
@@ -95,18 +92,42 @@ private:
                 below.space_from_here[i] = view.space_from_here[i] * node<K>(i, index).parent_from_pieces();
             sum.others.push_back(emit_pieces(kind.expansion, below, demand));
           } else {
-            const std::vector<uint32_t> children = operands_of(kind);
-            const Demand below = kind.demand_of_operands(demand, children.size());
-            std::vector<uint32_t> operands;
-            for (uint32_t child : children) {
-              Sum operand;
-              add_to_sum(child, view, below, operand);
-              operands.push_back(finish(operand));
-            }
-            sum.others.push_back(emit_combine(index, operands, demand));
+            sum.others.push_back(emit_operator<K>(index, view, demand));
           }
         },
         first().field.nodes[index]);
+  }
+
+  template <class Kind>
+  uint32_t emit_operator(uint32_t index, const View& view, Demand demand) {
+    const Kind& kind = node<Kind>(0, index);
+    size_t count = 0;
+    for_each_operand(kind, [&](const Operand&) { ++count; });
+    const Demand below = kind.demand_of_operands(demand, count);
+    std::vector<uint32_t> operands;
+    for_each_operand_seen<Kind>(index, view, [&](uint32_t child, const View& from) {
+      Sum operand;
+      add_to_sum(child, from, below, operand);
+      operands.push_back(finish(operand));
+    });
+    return emit_combine(index, operands, demand);
+  }
+
+  /// Calls visit(node, view) for the operands of a node that itself has the given view.
+  template <class Kind, class Visit>
+  void for_each_operand_seen(uint32_t index, const View& view, const Visit& visit) {
+    if constexpr (!k_sees_through_maps<Kind>) {
+      for_each_operand(node<Kind>(0, index), [&](const Operand& operand) { visit(operand.node, view); });
+    } else {
+      std::vector<std::vector<Operand>> operands; // of each moment
+      for (size_t i = 0; i < moments_.size(); ++i) operands.push_back(operands_of(node<Kind>(i, index)));
+      for (size_t j = 0; j < operands[0].size(); ++j) {
+        View below = view;
+        for (size_t i = 0; i < moments_.size(); ++i)
+          below.space_from_here[i] = view.space_from_here[i] * operands[i][j].parent_from_operand;
+        visit(operands[0][j].node, below);
+      }
+    }
   }
 
   template <class Kind>
@@ -130,7 +151,7 @@ private:
           },
           first().field.nodes[i]);
     if (operands.size() == 1) return operands[0];
-    return emit_combine(static_cast<uint32_t>(first().field.nodes.size() - 1), operands, demand); // the union of all pieces
+    return emit_combine(first().field.union_of_pieces, operands, demand);
   }
 
   template <class Kind>

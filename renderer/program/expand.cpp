@@ -39,6 +39,7 @@ void expand(std::span<SampledField> moments) {
   for (SampledField& field : moments) {
     Union<SampledMode> sharp; // also below a blend: what an R-function adds where pieces meet would be bulges
     sharp.formula = BooleanFormula::sharp;
+    field.union_of_pieces = static_cast<uint32_t>(field.nodes.size());
     field.nodes.emplace_back(std::move(sharp));
     field.piece_count = field.nodes.size() - count;
   }

@@ -104,7 +104,7 @@ const FieldProgram& at(const FieldProgram& program, const CodeView& code, double
     for (uint32_t i = step.space; motion.spaces[i]; i = program.spaces[i].parent) {
       const Space& space = program.spaces[i];
       now.spaces[i].local_from_parent = interpolate(space.local_from_parent, motion.end.spaces[i].local_from_parent, u);
-      if (space.warp != Space::k_no_warp)
+      if (space.warp != Space::k_no_warp && motion.nodes[space.warp])
         interpolate(program.field.nodes[space.warp], motion.end.field.nodes[space.warp], u, now.field.nodes[space.warp]);
     }
   }
@@ -164,6 +164,10 @@ private:
     if (x != y) most_ = std::max(most_, std::abs(x - y) / std::max(std::abs(x), std::abs(y)));
   }
 
+  void rest(const Vec3& x, const Vec3& y) {
+    for (int i = 0; i < 3; ++i) rest(x[i], y[i]);
+  }
+
   void compare_blobs(const Instruction& step) {
     const BlobArrays &s = a_.blobs, &e = b_.blobs;
     Box3d box;
@@ -192,10 +196,7 @@ private:
       rest(reach_of(p), reach_of(q)), rest(p.weight, q.weight);
       compare_spaces(step.space, box, radius);
     } else {
-      for_each_number<Kind>([&](const auto& row) {
-        const auto x = p.*(row.member), y = q.*(row.member);
-        if constexpr (std::is_same_v<decltype(x), const float>) rest(x, y);
-      });
+      for_each_number([&](const auto& x, const auto& y) { rest(x, y); }, p, q);
     }
   }
 

@@ -62,24 +62,34 @@ private:
             }
             return box;
           } else if constexpr (Operator<K>) {
-            size_t count = step.count;
-            if constexpr (requires { a.region; }) count -= count > 1; // it only mixes what its children yield
-            return joined(extent_of<K>(), step.first, count);
+            return joined(extent_of<K>(), children_of(a, step));
           }
           return {};
         },
         program_.field.nodes[step.node]);
   }
 
-  Box3d joined(ExtentOf extent, uint32_t first, size_t count) const {
-    const auto operand = [&](size_t i) { return boxes_[program_.code.operands[first + i]]; };
-    Box3d box = operand(0);
+  /// The boxes of an operator's operands that are children.
+  template <class Kind>
+  std::vector<Box3d> children_of(const Kind& kind, const Instruction& step) const {
+    const auto operands = std::span(program_.code.operands).subspan(step.first, step.count);
+    std::vector<char> is_child(step.count, true); // so are all of a sum and of a union of pieces, which may have more than the node
+    if constexpr (is_positional<Kind>())
+      for_each_operand(kind, [&, i = size_t{0}](const Operand& operand) mutable { is_child[i++] = operand.role == Role::child; });
+    std::vector<Box3d> boxes;
+    for (size_t i = 0; i < operands.size(); ++i)
+      if (is_child[i]) boxes.push_back(boxes_[operands[i]]);
+    return boxes;
+  }
+
+  static Box3d joined(ExtentOf extent, std::span<const Box3d> children) {
+    Box3d box = children[0];
     if (extent == ExtentOf::first_child) return box;
-    for (size_t i = 1; i < count; ++i)
+    for (const Box3d& child : children.subspan(1))
       if (extent == ExtentOf::all_children)
-        box = intersect(box, operand(i));
+        box = intersect(box, child);
       else
-        box.extend(operand(i));
+        box.extend(child);
     return box.is_empty() ? Box3d{} : box;
   }
 

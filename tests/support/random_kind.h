@@ -5,7 +5,7 @@
 #include <random>
 #include <string_view>
 
-#include "scene/field_node.h"
+#include "morph/field_node.h"
 
 namespace kelpie {
 

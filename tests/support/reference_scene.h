@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scene/field_node.h"
+#include "morph/field_node.h"
 #include "tests/reference/field.h"
 
 namespace kelpie {
