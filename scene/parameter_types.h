@@ -4,21 +4,9 @@
 
 #include <type_traits>
 
-#include "scene/scene.h"
+#include "scene/kind_groups.h"
 
 namespace kelpie {
-
-/// What a list of kinds is called: "expected a field".
-template <class List>
-inline constexpr std::string_view k_group_name = {};
-template <>
-inline constexpr std::string_view k_group_name<FieldKinds> = "field";
-template <>
-inline constexpr std::string_view k_group_name<SurfaceKinds> = "surface";
-template <>
-inline constexpr std::string_view k_group_name<GeometryKinds> = "geometry";
-template <>
-inline constexpr std::string_view k_group_name<LightKinds> = "light";
 
 /// A struct with a table.
 template <class T>
