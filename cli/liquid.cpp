@@ -13,8 +13,8 @@
 #include "cli/fit_options.h"
 #include "cli/liquid_scene.h"
 #include "cli/render.h"
-#include "materials/surfaces.h"
 #include "renderer/output/sequence.h"
+#include "scene/parameter_types.h"
 
 namespace kelpie {
 
@@ -97,12 +97,6 @@ void liquid(const Options& o) {
   render_scene(scene, name, o.render);
 }
 
-std::vector<std::string> surface_names() {
-  std::vector<std::string> names;
-  SurfaceKinds::for_each([&]<template <class> class Kind>() { names.emplace_back(Kind<AnimatedMode>::k_name); });
-  return names;
-}
-
 } // namespace
 
 void add_liquid(CLI::App& app) {
@@ -114,7 +108,10 @@ void add_liquid(CLI::App& app) {
   add_fit_options(command, *options);
   command.add_option("--from-up", options->from_up, "the direction that is up in the first mesh")->check(is_axis)->capture_default_str();
   command.add_option("--to-up", options->to_up, "the direction that is up in the second mesh")->check(is_axis)->capture_default_str();
-  command.add_option("--surface", options->surface, "what it is made of")->check(CLI::IsMember(surface_names()))->capture_default_str();
+  const std::vector<std::string_view> surfaces = kind_names<SurfaceKinds>();
+  command.add_option("--surface", options->surface, "what it is made of")
+      ->check(CLI::IsMember(std::vector<std::string>(surfaces.begin(), surfaces.end())))
+      ->capture_default_str();
   command
       .add_option("--save-scene", options->save_scene,
                   "write the scene to edit, and its clouds beside it; rendered as well only where -o says so")

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "base/suggest.h"
-#include "scene/library.h"
 #include "scene/parameter_text.h"
 #include "scene/value_reader.h"
 
@@ -84,11 +83,6 @@ std::string_view field_group() {
   return HasAssets<K> ? "fields: clouds" : "fields: skeletons";
 }
 
-template <class List>
-void append_kinds(std::vector<Page>& pages, std::string_view group) {
-  List::for_each([&]<template <class> class Kind>() { pages.push_back(page_of<Kind<AnimatedMode>>(group, true)); });
-}
-
 constexpr std::string_view k_keys_doc = R"(A value that changes over time.
 
     { "keys": [[1, 0], [24, 1.5]], "interpolation": "linear" }
@@ -105,20 +99,14 @@ constexpr std::string_view k_colour_doc = R"(A colour, in one of three forms.
     { "space": "Linear Rec.709", "rgb": [1, 0, 0] }   any space or role of the OCIO config
 )";
 
-/// The shape of a scene first, then what it is filled with.
 std::vector<Page> all_pages() {
-  std::vector<Page> pages{page_of<Scene>("the scene", false),
-                          page_of<Frames>("the scene", false),
-                          page_of<Camera<AnimatedMode>>("the scene", false),
-                          page_of<Film<AnimatedMode>>("the scene", false),
-                          page_of<Shape>("the scene", false),
-                          page_of<Library>("the scene", false)};
-  FieldKinds::for_each([&]<template <class> class Kind>() { pages.push_back(page_of<Kind<AnimatedMode>>(field_group<Kind>(), true)); });
-  pages.push_back(page_of<AxialAxis<AnimatedMode>>("parts of fields", false));
-  pages.push_back(page_of<AxialFrame<AnimatedMode>>("parts of fields", false));
-  append_kinds<SurfaceKinds>(pages, "surfaces");
-  append_kinds<GeometryKinds>(pages, "geometry");
-  append_kinds<LightKinds>(pages, "lights");
+  std::vector<Page> pages;
+  for_each_group([&]<class Group>(const Group& group) {
+    if constexpr (std::is_same_v<Group, KindGroup<FieldKinds>>)
+      FieldKinds::for_each([&]<template <class> class Kind>() { pages.push_back(page_of<Kind<AnimatedMode>>(field_group<Kind>(), true)); });
+    else
+      group.for_each([&]<class T>() { pages.push_back(page_of<T>(group.heading, Group::k_is_kinds)); });
+  });
   pages.push_back({"values", "keys", k_keys_doc, {}});
   pages.push_back({"values", "colour", k_colour_doc, {}});
   return pages;

@@ -3,21 +3,9 @@
 #pragma once
 
 #include "base/table.h"
-#include "scene/scene.h"
+#include "scene/kind_groups.h"
 
 namespace kelpie {
-
-/// What a list of kinds is called: "expected a field".
-template <class List>
-inline constexpr std::string_view k_group_name = {};
-template <>
-inline constexpr std::string_view k_group_name<FieldKinds> = "field";
-template <>
-inline constexpr std::string_view k_group_name<SurfaceKinds> = "surface";
-template <>
-inline constexpr std::string_view k_group_name<GeometryKinds> = "geometry";
-template <>
-inline constexpr std::string_view k_group_name<LightKinds> = "light";
 
 template <class T>
 struct MapTrait : std::false_type {};

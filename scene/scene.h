@@ -111,6 +111,8 @@ struct SampledShape {
   SampledField field; ///< no nodes where `geometry` is set
   std::optional<GeometryKinds::Variant<SampledMode>> geometry;
   SurfaceKinds::Variant<SampledMode> surface{Matte<SampledMode>{}};
+  /// Where shapes overlap, that of the highest priority fills the place (renderer/trace/media.h). The same for all that are read.
+  int priority = 0;
 };
 
 /// A stretch of time, in frames.

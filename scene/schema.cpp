@@ -3,7 +3,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "scene/library.h"
 #include "scene/manual.h"
 #include "scene/parameter_text.h"
 #include "scene/reserved.h"
@@ -118,22 +117,24 @@ Json record_schema(bool is_kind) {
   return s;
 }
 
-/// Defines a group ("field": one of…) and its kinds ("field.point").
-template <class List>
-void define_kinds(Json& definitions) {
-  const std::string group(k_group_name<List>);
-  Json one_of = Json::array();
-  List::for_each([&]<template <class> class Kind>() {
-    const std::string name = fmt::format("{}.{}", group, Kind<AnimatedMode>::k_name);
-    definitions[name] = record_schema<Kind<AnimatedMode>>(true);
-    one_of.push_back(reference(name));
+/// Defines each record by its name, but for the scene itself.
+template <class Group>
+void define_records(Json& definitions, const Group& group) {
+  group.for_each([&]<class T>() {
+    if constexpr (!std::is_same_v<T, Scene>) definitions[std::string(T::k_name)] = record_schema<T>(false);
   });
-  definitions[group] = {{"oneOf", one_of}};
 }
 
-template <Record T>
-void define_record(Json& definitions) {
-  definitions[std::string(T::k_name)] = record_schema<T>(false);
+/// Defines a group ("field": one of…) and its kinds ("field.point").
+template <class Group>
+void define_kinds(Json& definitions, const Group& group) {
+  Json one_of = Json::array();
+  group.for_each([&]<class T>() {
+    const std::string name = fmt::format("{}.{}", group.name, T::k_name);
+    definitions[name] = record_schema<T>(true);
+    one_of.push_back(reference(name));
+  });
+  definitions[std::string(group.name)] = {{"oneOf", one_of}};
 }
 
 } // namespace
@@ -142,17 +143,12 @@ std::string json_schema() {
   Json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "kelpie scene"}};
   schema.update(record_schema<Scene>(false));
   Json definitions;
-  define_record<Frames>(definitions);
-  define_record<Camera<AnimatedMode>>(definitions);
-  define_record<Film<AnimatedMode>>(definitions);
-  define_record<Shape>(definitions);
-  define_record<Library>(definitions);
-  define_record<AxialAxis<AnimatedMode>>(definitions);
-  define_record<AxialFrame<AnimatedMode>>(definitions);
-  define_kinds<FieldKinds>(definitions);
-  define_kinds<SurfaceKinds>(definitions);
-  define_kinds<GeometryKinds>(definitions);
-  define_kinds<LightKinds>(definitions);
+  for_each_group([&]<class Group>(const Group& group) {
+    if constexpr (!Group::k_is_kinds) define_records(definitions, group);
+  });
+  for_each_group([&]<class Group>(const Group& group) {
+    if constexpr (Group::k_is_kinds) define_kinds(definitions, group);
+  });
   schema["$defs"] = definitions;
   return schema.dump(2) + "\n";
 }

@@ -6,8 +6,8 @@ namespace kelpie {
 namespace {
 
 /// Shapes in one scene, and the reference's picture of each.
-struct Media {
-  explicit Media(const std::vector<SampledField>& fields) {
+struct Shapes {
+  explicit Shapes(const std::vector<SampledField>& fields) {
     for (const SampledField& field : fields) {
       frame.shapes.push_back(scene_of(field).shapes.front());
       nodes.push_back(reference_of(field));
@@ -31,7 +31,7 @@ struct WalkTally {
 
 class Walker {
 public:
-  Walker(const Media& media, const CellLimits& limits)
+  Walker(const Shapes& media, const CellLimits& limits)
       : media_(media), tracer_(media.frame, limits), box_(tracer_.bounds().padded(0.01f * tracer_.bounds().diagonal())) {}
 
   /// Follows a ray through all surfaces to the end of the scene.
@@ -111,14 +111,14 @@ private:
     }
   }
 
-  const Media& media_;
+  const Shapes& media_;
   Tracer tracer_;
   Box3 box_;
 };
 
 /// Sends rays through the shapes; what they met is added to `met`.
 void expect_right(const std::vector<SampledField>& fields, int rays, WalkTally& met, const CellLimits& limits = {}) {
-  const Media media(fields);
+  const Shapes media(fields);
   const WalkTally tally = Walker(media, limits).walk_many(rays);
   EXPECT_EQ(tally.wrong_surfaces, 0);
   EXPECT_EQ(tally.wrong_sides, 0);
@@ -128,7 +128,7 @@ void expect_right(const std::vector<SampledField>& fields, int rays, WalkTally& 
 
 // A bubble in a drop in a glass: six surfaces in a row, known in advance.
 TEST(Media, NestedBallsAreEnteredAndLeftInTurn) {
-  const Media media({ball(Vec3(0), 1), ball(Vec3(0), 0.5), ball(Vec3(0), 2)});
+  const Shapes media({ball(Vec3(0), 1), ball(Vec3(0), 0.5), ball(Vec3(0), 2)});
   const Walker walker(media, {});
   SolveCounters counters;
   Ray ray;

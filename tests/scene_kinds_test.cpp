@@ -24,6 +24,12 @@ Place place_of(std::string_view group, const std::string& json) {
   if (group == "field" && json.find("sdf_plane") != json.npos) // alone it has no end
     return {shape + R"("field":{"kind":"intersection","children":[)" + json + "," + k_point + "]}}]}", "shapes.a.field.children.0"};
   if (group == "field") return {shape + "\"field\":" + json + "}],\"parts\":{\"part\":" + k_point + "}}", "shapes.a.field"};
+  if (group == "axial_axis")
+    return {shape + R"("field":{"kind":"axial","axes":[)" + json + R"(],"child":)" + k_point + "}}]}", "shapes.a.field.axes.0"};
+  if (group == "axial_frame")
+    return {shape + R"("field":{"kind":"axial","axes":[{"rest":[[0,0,0],[0,1,0]],"deformed":[[0,0,0],[1,0,0]],"radius":1,"frames":[)" +
+                json + R"(]}],"child":)" + k_point + "}}]}",
+            "shapes.a.field.axes.0.frames.0"};
   if (group == "geometry") return {shape + "\"geometry\":" + json + "}]}", "shapes.a.geometry"};
   if (group == "surface") return {shape + "\"field\":" + k_point + ",\"surface\":" + json + "}]}", "shapes.a.surface"};
   if (group == "light")
@@ -46,6 +52,10 @@ const T& found(const Scene& s) {
     return s.film;
   else if constexpr (requires { T::k_is_unbounded; })
     return std::get<T>(std::get<Intersection<AnimatedMode>>(s.shapes[0].field->kind).children[0]->kind);
+  else if constexpr (std::is_same_v<T, AxialAxis<AnimatedMode>>)
+    return std::get<Axial<AnimatedMode>>(s.shapes[0].field->kind).axes[0];
+  else if constexpr (std::is_same_v<T, AxialFrame<AnimatedMode>>)
+    return std::get<Axial<AnimatedMode>>(s.shapes[0].field->kind).axes[0].frames[0];
   else if constexpr (std::is_constructible_v<FieldKinds::Variant<AnimatedMode>, T>)
     return std::get<T>(s.shapes[0].field->kind);
   else if constexpr (std::is_constructible_v<SurfaceKinds::Variant<AnimatedMode>, T>)
@@ -56,7 +66,7 @@ const T& found(const Scene& s) {
     return std::get<T>(s.lights[0]);
 }
 
-/// A kind or record with its group, as a type that a visitor can take.
+/// A kind or record with the name of its group (a record is its own), as a type that a visitor can take.
 template <class T>
 struct Case {
   using Type = T;
@@ -64,26 +74,30 @@ struct Case {
   bool is_kind;
 };
 
-template <class List, class Visitor>
-void for_each_kind(const Visitor& visit) {
-  List::for_each([&]<template <class> class Kind>() { visit(Case<Kind<AnimatedMode>>{k_group_name<List>, true}); });
-}
-
+/// Visits all that has a page.
 template <class Visitor>
 void for_everything(const Visitor& visit) {
-  for_each_kind<FieldKinds>(visit);
-  for_each_kind<SurfaceKinds>(visit);
-  for_each_kind<GeometryKinds>(visit);
-  for_each_kind<LightKinds>(visit);
-  visit(Case<Shape>{"shape", false});
-  visit(Case<Frames>{"frames", false});
-  visit(Case<Camera<AnimatedMode>>{"camera", false});
-  visit(Case<Film<AnimatedMode>>{"film", false});
+  for_each_group([&]<class Group>(const Group& group) {
+    group.for_each([&]<class T>() {
+      if constexpr (Group::k_is_kinds)
+        visit(Case<T>{group.name, true});
+      else
+        visit(Case<T>{T::k_name, false});
+    });
+  });
+}
+
+/// Visits all that stands somewhere in a scene.
+template <class Visitor>
+void for_all_within_a_scene(const Visitor& visit) {
+  for_everything([&]<class T>(const Case<T>& c) {
+    if constexpr (!std::is_same_v<T, Scene> && !std::is_same_v<T, Library>) visit(c);
+  });
 }
 
 TEST(EveryKind, IsReadFromItsLeastTextWithTheTablesDefaults) {
   const SceneFolder folder;
-  for_everything([&](const auto& c) {
+  for_all_within_a_scene([&](const auto& c) {
     using T = typename std::decay_t<decltype(c)>::Type;
     const Place place = place_of(c.group, minimal_json<T>(c.is_kind));
     ASSERT_EQ(folder.errors(place.scene), "") << place.scene;
@@ -100,7 +114,7 @@ TEST(EveryKind, IsReadFromItsLeastTextWithTheTablesDefaults) {
 
 TEST(EveryParameter, RefusesWhatItIsNot) {
   const SceneFolder folder;
-  for_everything([&](const auto& c) {
+  for_all_within_a_scene([&](const auto& c) {
     using T = typename std::decay_t<decltype(c)>::Type;
     const Place place = place_of(c.group, minimal_json<T>(c.is_kind));
     for_each_parameter<T>([&](const auto& row) {
@@ -122,7 +136,7 @@ std::vector<double> outside(const Range& range) {
 TEST(EveryParameter, KeepsToItsRange) {
   const SceneFolder folder;
   int checked = 0;
-  for_everything([&](const auto& c) {
+  for_all_within_a_scene([&](const auto& c) {
     using T = typename std::decay_t<decltype(c)>::Type;
     const Place place = place_of(c.group, minimal_json<T>(c.is_kind));
     for_each_parameter<T>([&](const auto& row) {
@@ -146,7 +160,7 @@ TEST(EveryParameter, KeepsToItsRange) {
 
 TEST(EveryParameter, ThatMayBeAnimatedTakesACurve) {
   const SceneFolder folder;
-  for_everything([&](const auto& c) {
+  for_all_within_a_scene([&](const auto& c) {
     using T = typename std::decay_t<decltype(c)>::Type;
     const Place place = place_of(c.group, minimal_json<T>(c.is_kind));
     for_each_parameter<T>([&](const auto& row) {
@@ -206,7 +220,7 @@ TEST(EveryKind, HasADefinitionInTheSchema) {
   for_everything([&](const auto& c) {
     using T = typename std::decay_t<decltype(c)>::Type;
     const std::string name = c.is_kind ? fmt::format("{}.{}", c.group, T::k_name) : std::string(T::k_name);
-    const JsonValue* definition = root.find("$defs")->find(name);
+    const JsonValue* definition = std::is_same_v<T, Scene> ? &root : root.find("$defs")->find(name);
     ASSERT_TRUE(definition) << name;
     EXPECT_EQ(definition->find("properties")->object()->size(), std::tuple_size_v<decltype(T::parameters())> + c.is_kind);
     EXPECT_FALSE(*definition->find("additionalProperties")->boolean());

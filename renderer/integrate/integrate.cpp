@@ -256,7 +256,7 @@ private:
     const CameraRays now = camera_.at(ray.time), next = next_camera_->at(ray.time);
     const bool is_hit = pixel.central.is_hit;
     const Vec3 from = is_hit ? pixel.central.hit.position : now.position() + ray.direction;
-    const Vec3 to = is_hit ? from + tracer_.velocity(pixel.central.hit, ray.time) : next.position() + ray.direction;
+    const Vec3 to = is_hit ? from + tracer_.velocity(pixel.central.hit) : next.position() + ray.direction;
     const Vec2 way = next.film_of(to) - now.film_of(from);
     const bool is_seen = next.depth(to) > 0 && std::isfinite(way.x) && std::isfinite(way.y); // else it passes the camera
     return is_seen ? way : Vec2(0);

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "renderer/integrate/orthonormal_basis.h"
+
 namespace kelpie {
 
 namespace {
@@ -21,27 +23,26 @@ constexpr int k_roulette_from = 4;
 
 } // namespace
 
-/// A point of a path, with the side of the surface that the path is on.
+/// A point of a path on a surface. Local coordinates have the normal on the side of the viewer as z.
 struct PathTracer::Vertex {
   Vertex(Path& p, const Hit& h, const Bsdf& b)
-      : path(p), hit(h), is_back(glm::dot(h.normal, p.ray.direction) > 0), frame(is_back ? -h.normal : h.normal),
-        out(frame.local_from_world(-p.ray.direction)), bsdf(b) {}
+      : path(p), hit(h), basis(facing_normal(p.ray, h)), out(basis.local_from_world(-p.ray.direction)), bsdf(b) {}
 
-  /// A ray that leaves the vertex on the side on which the path came.
-  Ray leave(const Vec3& direction) const { return depart(path.ray, hit, direction, Side::near); }
+  /// A ray towards where light comes from, the same direction in local coordinates and in the world. It starts on the side of
+  /// the surface that the shading normal says. Where a facet of a mesh lies on the other side of it, the ray meets that facet
+  /// next, and goes through it or is shadowed as by any other.
+  Ray leave(const Vec3& in, const Vec3& direction) const { return depart(path.ray, hit, direction, in.z < 0 ? Side::far : Side::near); }
 
   Path& path;
   const Hit& hit;
-  bool is_back;
-  Frame frame;
+  OrthonormalBasis basis;
   Vec3 out; ///< towards the viewer, local
   Bsdf bsdf;
   Vec3 direct{0}; ///< light that samples of lights found
 };
 
 PathTracer::PathTracer(const Tracer& tracer, const std::vector<Light>& lights, const FrameScene& frame)
-    : tracer_(tracer), lights_(lights), background_(frame.film.background), bounces_(frame.film.bounces) {
-  for (const SampledShape& shape : frame.shapes) bsdfs_.emplace_back(shape.surface);
+    : frame_(frame), tracer_(tracer), lights_(lights), background_(frame.film.background), bounces_(frame.film.bounces) {
   for (const Light& light : lights_) has_extended_light_ |= !light.is_delta();
 }
 
@@ -68,16 +69,20 @@ void PathTracer::trace(std::span<Path> paths, RayCounters& counters) const {
   }
 }
 
-/// The paths (bits) whose rays meet a surface.
+/// The paths (bits) whose rays meet a surface that can be seen.
 uint32_t PathTracer::meet(std::span<Path* const> paths, bool side_by_side, SolveCounters& counters, Hit* hits) const {
   uint32_t met = 0;
-  if (!side_by_side) {
+  if (side_by_side) {
+    std::array<Ray, k_packet> rays;
+    for (size_t i = 0; i < paths.size(); ++i) rays[i] = paths[i]->ray;
+    met = tracer_.intersect(std::span<const Ray>(rays).first(paths.size()), counters, hits);
+  } else {
     for (size_t i = 0; i < paths.size(); ++i) met |= uint32_t(tracer_.intersect(paths[i]->ray, counters, hits[i])) << i;
-    return met;
   }
-  std::array<Ray, k_packet> rays;
-  for (size_t i = 0; i < paths.size(); ++i) rays[i] = paths[i]->ray;
-  return tracer_.intersect(std::span<const Ray>(rays).first(paths.size()), counters, hits);
+  if (!tracer_.media().hides()) return met;
+  for (size_t i = 0; i < paths.size(); ++i)
+    if (met >> i & 1 && !tracer_.pass_hidden(paths[i]->ray, counters, hits[i])) met &= ~(1u << i);
+  return met;
 }
 
 /// The rays (bits) that do not reach the light.
@@ -89,7 +94,7 @@ uint32_t PathTracer::shadowed(std::span<const Ray> rays, bool side_by_side, Solv
 }
 
 PathTracer::Vertex PathTracer::arrive(Path& path, const Hit& hit, int bounce) const {
-  const Bsdf& surface = bsdfs_[hit.shape];
+  const Bsdf surface = surface_at(frame_, hit);
   Vertex vertex(path, hit, path.after_matte ? surface.at_least_as_rough_as(k_alpha_after_matte) : surface);
   path.after_matte = path.after_matte || !surface.is_glossy();
   if (bounce == 0) path.result.is_hit = true, path.result.hit = hit, path.result.albedo = vertex.bsdf.albedo();
@@ -112,17 +117,20 @@ bool PathTracer::scatter(Vertex& vertex, int bounce, RayCounters& counters) cons
   path.result.radiance += path.throughput * vertex.direct;
   const bool is_last = bounce >= bounces_;
   if (is_last && !path.seeks_light) return false;
-  path.scattered = vertex.bsdf.sample(vertex.out, path.sampler.next_pair());
+  const Vec3 u = path.sampler.next_triple();
+  path.scattered = vertex.bsdf.sample(vertex.out, u.z, Vec2(u.x, u.y));
   if (path.scattered.pdf <= 0) return false;
-  path.throughput *= path.scattered.weight;
-  path.ray = vertex.leave(vertex.frame.world_from_local(path.scattered.direction));
+  path.throughput *= path.scattered.weight, path.eta *= path.scattered.eta;
+  path.ray = vertex.leave(path.scattered.direction, vertex.basis.world_from_local(path.scattered.direction));
   if (is_last) {
     ++counters.shadow;
     if (!tracer_.occluded(path.ray, counters.solve)) path.result.radiance += path.throughput * escaped(path.ray.direction, path.scattered);
     return false;
   }
   if (bounce >= k_roulette_from) {
-    const float survival = std::min(0.95f, std::max({path.throughput.x, path.throughput.y, path.throughput.z}));
+    // While a path is in a medium its throughput has a factor 1 / eta^2, which it loses again: that says nothing of its worth.
+    const Vec3 worth = path.throughput * (path.eta * path.eta);
+    const float survival = std::min(0.95f, std::max({worth.x, worth.y, worth.z}));
     if (!(path.sampler.next_pair().x < survival)) return false;
     path.throughput /= survival;
   }
@@ -135,7 +143,7 @@ Vec3 PathTracer::background(const Vec3& direction) const {
   if (background_.kind == Background::Kind::colour) return background_.colour.rgb;
   Vec3 sum(0);
   for (const Light& light : lights_)
-    if (light.is_environment()) sum += light.seen_along(direction).radiance;
+    if (light.is_background()) sum += light.seen_along(direction).radiance;
   return sum;
 }
 
@@ -150,16 +158,16 @@ void PathTracer::add_direct_light(std::span<Vertex> vertices, int bounce, RayCou
       if (vertex.bsdf.is_delta()) continue;
       const Arrival arrival = light.sample(u);
       if (!(arrival.pdf > 0)) continue;
-      const Vec3 in = vertex.frame.local_from_world(arrival.direction);
-      const Vec3 reflected = vertex.bsdf.evaluate(vertex.out, in) * arrival.radiance;
-      if (reflected == Vec3(0)) continue;
+      const Vec3 in = vertex.basis.local_from_world(arrival.direction);
+      const Vec3 scattered = vertex.bsdf.evaluate(vertex.out, in) * arrival.radiance;
+      if (scattered == Vec3(0)) continue;
       const bool competes = vertex.path.seeks_light && !arrival.is_delta;
-      rays[n] = vertex.leave(arrival.direction), takers[n] = &vertex;
-      gains[n++] = reflected * ((competes ? mis_weight(arrival.pdf, vertex.bsdf.pdf(vertex.out, in)) : 1.f) / arrival.pdf);
+      rays[n] = vertex.leave(in, arrival.direction), takers[n] = &vertex;
+      gains[n++] = scattered * ((competes ? mis_weight(arrival.pdf, vertex.bsdf.pdf(vertex.out, in)) : 1.f) / arrival.pdf);
     }
     counters.shadow += n;
-    // Rays to an environment part at once: packets of them take 1.7 times as long as the rays alone.
-    const bool side_by_side = bounce == 0 && !light.is_environment();
+    // Rays that part at once, as those to an environment, take 1.7 times as long in packets as alone.
+    const bool side_by_side = bounce == 0 && light.is_narrow();
     const uint32_t dark = shadowed(std::span<const Ray>(rays).first(n), side_by_side, counters.solve);
     for (size_t i = 0; i < n; ++i)
       if (!(dark >> i & 1)) takers[i]->direct += gains[i];

@@ -34,7 +34,8 @@ struct Path {
 
   Ray ray; ///< to its next vertex
   Sampler sampler;
-  Vec3 throughput{1};
+  Vec3 throughput{1};       ///< radiance at the camera, of a unit of radiance along `ray`
+  float eta = 1;            ///< refractive index around `ray` over that around the camera
   BsdfSample scattered;     ///< how `ray` left the last vertex
   bool seeks_light = false; ///< whether light that `ray` finds counts
   bool after_matte = false; ///< whether a vertex was matte
@@ -63,10 +64,10 @@ private:
   Vec3 background(const Vec3& direction) const;
   Vec3 escaped(const Vec3& direction, const BsdfSample& scattered) const;
 
+  const FrameScene& frame_;
   const Tracer& tracer_;
   const std::vector<Light>& lights_;
   const Background& background_;
-  std::vector<Bsdf> bsdfs_; ///< by shape
   int bounces_;
   bool has_extended_light_ = false; ///< one that a scattered ray can find
 };

@@ -24,7 +24,7 @@ struct PixelSeed {
 };
 
 /// The points of one sample of one pixel of one frame: they depend on nothing else, so neither threads nor
-/// crop nor the order of tiles changes a picture. Each call yields the next, independent pair.
+/// crop nor the order of tiles changes a picture. Each call yields the next, independent point.
 class Sampler {
 public:
   Sampler(uint32_t x, uint32_t y, uint32_t frame, uint32_t sample) : Sampler(PixelSeed(x, y, frame), sample, 0) {}
@@ -35,22 +35,28 @@ public:
   static constexpr uint32_t k_scramble[] = {0x6c50b47cu, 0xb82f1e52u, 0xc7afe638u, 0x8d22f6e6u};
 
   /// The next number in [0, 1); the same call of other samples of the pixel fills it evenly.
-  float next() {
+  float next() { return number_of(hash(seed_, pair_++)); }
+
+  /// The next point in [0, 1)^2; the same call of other samples of the pixel fills the square evenly.
+  Vec2 next_pair() { return pair_of(hash(seed_, pair_++)); }
+
+  /// What next_pair() would yield, and in z a number that fills [0, 1) evenly by itself.
+  Vec3 next_triple() {
     const uint32_t seed = hash(seed_, pair_++);
+    return {pair_of(seed), number_of(hash(seed, 3))};
+  }
+
+private:
+  float number_of(uint32_t seed) const {
     const uint32_t index = reverse(scramble_reversed(sample_reversed_, seed));
     return to_unit(reverse(scramble_reversed(index, hash(seed, 1))));
   }
-
-  /// The next point in [0, 1)^2; the same call of other samples of the pixel fills the square evenly.
-  Vec2 next_pair() {
-    const uint32_t seed = hash(seed_, pair_++);
+  Vec2 pair_of(uint32_t seed) const {
     const uint32_t index = reverse(scramble_reversed(sample_reversed_, seed));
     // In reversed bits the sequence's first dimension is the index itself.
     return {to_unit(reverse(scramble_reversed(index, hash(seed, 1)))),
             to_unit(reverse(scramble_reversed(sobol_second_reversed(index), hash(seed, 2))))};
   }
-
-private:
   static uint32_t reverse(uint32_t x) {
     x = x >> 16 | x << 16;
     x = (x & 0x00ff00ffu) << 8 | (x & 0xff00ff00u) >> 8;

@@ -14,7 +14,7 @@ public:
   static constexpr size_t k_most = 8;
 
   bool is_empty() const { return count_ == 0; }
-  bool contains(uint32_t shape) const { return std::find(shapes_.begin(), end(), shape) != end(); }
+  bool contains(uint32_t shape) const { return std::find(begin(), end(), shape) != end(); }
   void add(uint32_t shape) {
     if (count_ < k_most && !contains(shape)) shapes_[count_++] = shape;
   }
@@ -23,9 +23,11 @@ public:
     if (at != shapes_.begin() + count_) *at = shapes_[--count_];
   }
 
-private:
-  std::array<uint32_t, k_most>::const_iterator end() const { return shapes_.begin() + count_; }
+  /// In no particular order.
+  const uint32_t* begin() const { return shapes_.data(); }
+  const uint32_t* end() const { return shapes_.data() + count_; }
 
+private:
   std::array<uint32_t, k_most> shapes_{};
   uint32_t count_ = 0;
 };

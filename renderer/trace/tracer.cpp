@@ -149,8 +149,10 @@ float rounding_at(const Vec3& p, float t) { return 5e-7f * (std::max({std::abs(p
 
 } // namespace
 
+Vec3 facing_normal(const Ray& arrived, const Hit& hit) { return glm::dot(hit.normal, arrived.direction) > 0 ? -hit.normal : hit.normal; }
+
 Ray depart(const Ray& arrived, const Hit& hit, const Vec3& direction, Side side) {
-  const Vec3 back = glm::dot(hit.normal, arrived.direction) > 0 ? -hit.normal : hit.normal;
+  const Vec3 back = facing_normal(arrived, hit);
   Ray ray;
   ray.origin = side == Side::near ? hit.position + hit.lift + hit.epsilon * back : hit.position - hit.epsilon * back;
   ray.direction = direction;
@@ -163,7 +165,8 @@ Ray depart(const Ray& arrived, const Hit& hit, const Vec3& direction, Side side)
   return ray;
 }
 
-Tracer::Tracer(const FrameScene& frame, const CellLimits& limits, KeptScenes* kept) : exposure_(frame.exposure().length) {
+Tracer::Tracer(const FrameScene& frame, const CellLimits& limits, KeptScenes* kept)
+    : exposure_(frame.exposure().length), media_(frame.shapes) {
   KeptScenes nothing;
   meshes_ = build_mesh_scene(frame, limits, kept ? *kept : nothing);
   cells_ = build_cell_scene(frame, limits, kept ? *kept : nothing, kept_cells_);
@@ -189,8 +192,23 @@ bool Tracer::intersect(const Ray& ray, SolveCounters& counters, Hit& hit) const 
   return true;
 }
 
+bool Tracer::pass_hidden(Ray& ray, SolveCounters& counters, Hit& hit) const {
+  constexpr int k_most = 100; // whatever runs in a surface and crosses it for ever has then arrived
+  for (int i = 0; i < k_most && !media_.is_seen(hit.shape, ray.inside); ++i) {
+    const float rest = ray.t_far - hit.t;
+    ray = depart(ray, hit, ray.direction, Side::far);
+    ray.t_far = rest;
+    if (!intersect(ray, counters, hit)) return false;
+  }
+  return true;
+}
+
 bool Tracer::occluded(const Ray& ray, SolveCounters& counters) const {
   Hit hit;
+  if (media_.hides()) {
+    Ray onward = ray;
+    return intersect(onward, counters, hit) && pass_hidden(onward, counters, hit);
+  }
   hit.t = ray.t_far;
   return meet_planes(ray, hit) || meshes_->occluded(ray) || cells_->occluded(ray, counters);
 }
@@ -213,6 +231,10 @@ uint32_t Tracer::intersect(std::span<const Ray> rays, SolveCounters& counters, H
 
 uint32_t Tracer::occluded(std::span<const Ray> rays, SolveCounters& counters) const {
   uint32_t found = 0;
+  if (media_.hides()) { // what can be seen depends on the way
+    for (size_t i = 0; i < rays.size(); ++i) found |= uint32_t(occluded(rays[i], counters)) << i;
+    return found;
+  }
   for (size_t i = 0; i < rays.size(); ++i) {
     Hit hit;
     hit.t = rays[i].t_far;
@@ -230,6 +252,7 @@ bool Tracer::meet_geometry(const Ray& ray, Hit& hit) const {
   MeshHit on_mesh;
   if (!meshes_->intersect(shortened, on_mesh)) return on_plane;
   hit.t = on_mesh.t, hit.shape = on_mesh.shape, hit.position = on_mesh.position, hit.normal = on_mesh.normal;
+  hit.slab = nullptr, hit.time = ray.time;
   hit.is_leaving = on_mesh.is_leaving, hit.lift = on_mesh.lift;
   hit.epsilon = on_mesh.epsilon + rounding_at(hit.position, hit.t);
   return true;
@@ -245,6 +268,7 @@ bool Tracer::meet_planes(const Ray& ray, Hit& hit) const {
     if (!(t > ray.t_near && t < hit.t)) continue; // false for the NaN of a ray in the plane, too
     found = true;
     hit.t = t, hit.shape = shape.shape, hit.normal = plane.normal, hit.is_leaving = across > 0, hit.lift = Vec3(0);
+    hit.slab = nullptr, hit.time = ray.time;
     hit.position = ray.origin + t * ray.direction;
     hit.position -= glm::dot(hit.position - plane.position, plane.normal) * plane.normal;
     hit.epsilon = 1e-5f + rounding_at(hit.position, t);
@@ -256,7 +280,7 @@ void Tracer::complete(const Ray& ray, const CellHit& cell_hit, Hit& hit) const {
   const ShapeCells& shape = cells_->shape(cell_hit.shape, ray.time);
   const Cell& cell = shape.cells[cell_hit.cell];
   hit.t = cell_hit.t;
-  hit.shape = cell_hit.shape, hit.cell = cell_hit.cell;
+  hit.shape = cell_hit.shape, hit.cell = cell_hit.cell, hit.slab = &shape, hit.time = ray.time;
   hit.is_leaving = ray.inside.contains(hit.shape);
   hit.lift = Vec3(0);
   hit.position = ray.origin + hit.t * ray.direction;
@@ -267,7 +291,7 @@ void Tracer::complete(const Ray& ray, const CellHit& cell_hit, Hit& hit) const {
   hit.epsilon = cell.epsilon + rounding_at(hit.position, hit.t);
 }
 
-Vec3 Tracer::velocity(const Hit& hit, float time) const {
+Vec3 Tracer::velocity(const Hit& hit) const {
   if (exposure_ == 0) return Vec3(0);
   const auto per_frame = static_cast<float>(1 / exposure_);
   for (const PlaneShape& plane : planes_) {
@@ -278,14 +302,14 @@ Vec3 Tracer::velocity(const Hit& hit, float time) const {
       const Plane<SampledMode> p = state_at(plane.states, at);
       return glm::dot(hit.position - p.position, glm::normalize(p.normal));
     };
-    const float before = std::max(time - k_step, 0.f), after = std::min(time + k_step, 1.f);
+    const float before = std::max(hit.time - k_step, 0.f), after = std::min(hit.time + k_step, 1.f);
     return -(height(after) - height(before)) / (after - before) * per_frame * hit.normal;
   }
-  if (const std::optional<Vec3> of_mesh = meshes_->velocity(hit.shape, hit.position, time)) return *of_mesh * per_frame;
-  const ShapeCells& shape = cells_->shape(hit.shape, time);
+  if (const std::optional<Vec3> of_mesh = meshes_->velocity(hit.shape, hit.position, hit.time)) return *of_mesh * per_frame;
+  const ShapeCells& shape = *hit.slab;
   const Cell& cell = shape.cells[hit.cell];
-  const Vec3 g = cell_gradient(shape, cell, hit.position, time);
-  const double rate = cell_rate(shape, cell, hit.position, time);
+  const Vec3 g = cell_gradient(shape, cell, hit.position, hit.time);
+  const double rate = cell_rate(shape, cell, hit.position, hit.time);
   // Where the gradient vanishes next to threshold / radius the surface has no velocity: it appears, or tears.
   const double least = 1e-3 * shape.program.threshold / (1e3 * cell.epsilon);
   return static_cast<float>(-rate * shape.slabs * per_frame / (double(glm::dot(g, g)) + square(least))) * g;

@@ -5,6 +5,7 @@
 
 #include "field/motion.h"
 #include "renderer/trace/cell_scene.h"
+#include "renderer/trace/media.h"
 #include "renderer/trace/mesh_scene.h"
 #include "scene/scene.h"
 
@@ -13,17 +14,22 @@ namespace kelpie {
 struct Hit {
   float t = 0;
   Vec3 position{0};
-  Vec3 normal{0};     ///< unit, out of the shape (for a plane: its upper side); smooth on a mesh. It faces the ray
-                      ///< where the surface does
-  uint32_t shape = 0; ///< index into FrameScene::shapes
-  uint32_t cell = 0;  ///< of the shape, at the ray's time
-  float epsilon = 0;  ///< offset of secondary rays along the normal, on the side where they start
+  Vec3 normal{0};                   ///< unit, out of the shape (for a plane: its upper side); smooth on a mesh. It faces the ray
+                                    ///< where the surface does
+  uint32_t shape = 0;               ///< index into FrameScene::shapes
+  uint32_t cell = 0;                ///< of `slab`
+  const ShapeCells* slab = nullptr; ///< the shape's cells at the ray's time; null where it is geometry
+  float time = 0;                   ///< the ray's
+  float epsilon = 0;                ///< offset of secondary rays along the normal, on the side where they start
   /// The ray comes out of the shape here; else it goes in. (What is below a plane is inside it.)
   bool is_leaving = false;
   /// From the position to where rays on the near side start, but for the offset: the facets of a smooth mesh lie
   /// below the surface that they stand for, and would shadow one another.
   Vec3 lift{0};
 };
+
+/// The normal, turned to the side from which the ray came. What is near and far of a surface is decided by it alone.
+Vec3 facing_normal(const Ray& arrived, const Hit&);
 
 /// The sides of a surface, as the ray has it that met it: where it came from, and where it would go.
 enum class Side { near, far };
@@ -76,17 +82,24 @@ public:
   /// last bit, as what would be built. Throws MemoryBudget::Exceeded where the limits have a budget.
   explicit Tracer(const FrameScene& frame, const CellLimits& limits = {}, KeptScenes* kept = nullptr);
 
+  /// The first surface that the ray meets, whether it can be seen there or not.
   bool intersect(const Ray&, SolveCounters&, Hit&) const;
+  /// Whether the ray meets a surface that can be seen there.
   bool occluded(const Ray&, SolveCounters&) const;
 
   /// The same for a packet of up to k_packet rays (see CellScene): returns the rays (bits) that hit.
   uint32_t intersect(std::span<const Ray>, SolveCounters&, Hit*) const;
   uint32_t occluded(std::span<const Ray>, SolveCounters&) const;
 
-  /// The velocity of the surface where a ray of this time hit it, along its normal: -F_t grad F / |grad F|^2 with F the field
+  /// Takes a ray that met `hit` to the first surface that can be seen: through all that lie in media of higher priority. The ray
+  /// then starts behind the last of these, and `hit` is what it meets; false if there is nothing more.
+  bool pass_hidden(Ray&, SolveCounters&, Hit& hit) const;
+  const Media& media() const { return media_; }
+
+  /// The velocity of the surface where a ray hit it, along its normal: -F_t grad F / |grad F|^2 with F the field
   /// minus the threshold. Scene units a frame. (Of what slides within the surface a field knows nothing; a mesh does, and has
   /// all of its velocity.)
-  Vec3 velocity(const Hit&, float time) const;
+  Vec3 velocity(const Hit&) const;
 
   /// The most slabs of time that any shape has, each of the same length.
   size_t slab_count() const { return cells_->slab_count(); }
@@ -114,7 +127,8 @@ private:
   bool meet_planes(const Ray&, Hit&) const;
   void complete(const Ray&, const CellHit&, Hit&) const;
 
-  double exposure_ = 0;                    ///< in frames
+  double exposure_ = 0; ///< in frames
+  Media media_;
   std::shared_ptr<const CellScene> cells_; ///< one entry a shape of the frame
   std::vector<PlaneShape> planes_;
   std::shared_ptr<const MeshScene> meshes_;

@@ -79,6 +79,8 @@ void randomise(T& member, const ParameterRules& rules, Random& r) {
     for (auto& element : member) randomise(element, rules, r);
   } else if constexpr (std::is_same_v<T, Vec3>)
     for (int i = 0; i < 3; ++i) member[i] = static_cast<float>(r.in(rules.range, reach));
+  else if constexpr (std::is_same_v<T, Colour>)
+    randomise(member.rgb, rules, r);
 }
 
 /// An axis from one side of the origin to the other, about as long where it goes.

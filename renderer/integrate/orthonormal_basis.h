@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cmath>
+
+#include "base/vec.h"
+
+namespace kelpie {
+
+/// Three unit vectors at right angles around a given one, and the coordinates that they span: "local" (Duff et al. 2017).
+struct OrthonormalBasis {
+  Vec3 x, y, z;
+
+  explicit OrthonormalBasis(const Vec3& unit_z) : z(unit_z) {
+    const float sign = std::copysign(1.f, z.z), a = -1 / (sign + z.z), b = z.x * z.y * a;
+    x = {1 + sign * z.x * z.x * a, sign * b, -sign * z.x};
+    y = {b, sign + z.y * z.y * a, -z.y};
+  }
+  Vec3 world_from_local(const Vec3& v) const { return v.x * x + v.y * y + v.z * z; }
+  Vec3 local_from_world(const Vec3& v) const { return {glm::dot(v, x), glm::dot(v, y), glm::dot(v, z)}; }
+};
+
+} // namespace kelpie
