@@ -67,7 +67,7 @@ double tree_value(const TreeView& tree, const Vec3d& p, double threshold) {
       for (uint32_t i = 0; i < step.count; ++i) result += leaf_value(tree, step.first + i, p);
     } else if (step.kind == TreeStep::Kind::solid) {
       result = solid_value(tree.solids, tree.solids.leaves[step.first], p);
-    } else if (step.kind == TreeStep::Kind::local_blend) {
+    } else if (step.join == Join::local_blend) {
       const std::span<const double> f = std::span(stack).last(step.count);
       const double most = *std::max_element(f.begin(), f.end() - 1), sum = std::accumulate(f.begin(), f.end() - 1, 0.0);
       result = most + std::clamp(f.back(), 0.0, 1.0) * (sum - most);
@@ -75,20 +75,20 @@ double tree_value(const TreeView& tree, const Vec3d& p, double threshold) {
     } else {
       const auto operands = stack.end() - step.count;
       result = *operands;
-      for (auto f = operands + 1; f != stack.end(); ++f) switch (step.kind) {
-        case TreeStep::Kind::maximum: result = std::max(result, *f); break;
-        case TreeStep::Kind::minimum: result = std::min(result, *f); break;
-        case TreeStep::Kind::difference: result = std::min(result, 2 * threshold - *f); break;
-        case TreeStep::Kind::sum: result += *f; break;
-        case TreeStep::Kind::hyper_blend:
+      for (auto f = operands + 1; f != stack.end(); ++f) switch (step.join) {
+        case Join::maximum: result = std::max(result, *f); break;
+        case Join::minimum: result = std::min(result, *f); break;
+        case Join::difference: result = std::min(result, 2 * threshold - *f); break;
+        case Join::sum: result += *f; break;
+        case Join::hyper_blend:
           result = std::pow(std::pow(std::max(0.0, result), step.exponent) + std::pow(std::max(0.0, *f), step.exponent), 1 / step.exponent);
           break;
-        case TreeStep::Kind::r_union: result = r_join<r_function::Unite>(result, *f, threshold); break;
-        case TreeStep::Kind::r_intersection: result = r_join<r_function::Intersect>(result, *f, threshold); break;
-        case TreeStep::Kind::r_difference: result = r_join<r_function::Intersect>(result, 2 * threshold - *f, threshold); break;
-        default: ADD_FAILURE() << "no join";
+        case Join::r_union: result = r_join<r_function::Unite>(result, *f, threshold); break;
+        case Join::r_intersection: result = r_join<r_function::Intersect>(result, *f, threshold); break;
+        case Join::r_difference: result = r_join<r_function::Intersect>(result, 2 * threshold - *f, threshold); break;
+        case Join::local_blend: break;
         }
-      if (step.kind == TreeStep::Kind::difference) result = std::max(0.0, result);
+      if (step.join == Join::difference) result = std::max(0.0, result);
       stack.erase(operands, stack.end());
     }
     stack.push_back(result);

@@ -2,7 +2,7 @@
 #define HWY_COMPILE_ONLY_STATIC
 #include <gtest/gtest.h>
 
-#include "renderer/lanes/tree_leaf-inl.h"
+#include "renderer/lanes/tree_joins-inl.h"
 #include "tests/support/random_scene.h"
 
 HWY_BEFORE_NAMESPACE();

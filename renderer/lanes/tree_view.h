@@ -14,30 +14,46 @@ namespace kelpie {
 /// Lists of leaves are padded to whole groups of this many, so that any vector width reads them whole.
 inline constexpr uint32_t k_leaf_group = 16;
 
-/// One step of a tree in post-order: pushes the sum of some leaves or a solid, or joins what was pushed last. The
-/// R-functions are those below a sum, in their localised form (field/operators/r_functions.h).
+/// What an operator makes of its operands. The R-functions are those below a sum, in their localised form
+/// (field/operators/r_functions.h).
+enum class Join : uint32_t {
+  sum,
+  maximum,
+  minimum,
+  difference,
+  r_union,
+  r_intersection,
+  r_difference,
+  hyper_blend,
+  local_blend, ///< the last operand is the region
+};
+/// Whether it falls with all operands but the first.
+constexpr bool subtracts(Join j) { return j == Join::difference || j == Join::r_difference; }
+constexpr bool is_r_function(Join j) { return j == Join::r_union || j == Join::r_intersection || j == Join::r_difference; }
+/// Whether it makes nothing below 0.
+constexpr bool is_clamped(Join j) { return subtracts(j) || is_r_function(j) || j == Join::hyper_blend; }
+/// Whether it rises with each operand, or falls with each that it subtracts.
+constexpr bool is_monotone(Join j) { return j != Join::r_union && j != Join::local_blend; }
+/// Whether its slope may change sharply, but not at once, where operands are equal.
+constexpr bool bends(Join j) { return is_r_function(j) || j == Join::hyper_blend || j == Join::local_blend; }
+
+/// One step of a tree in post-order: pushes the sum of some leaves or a solid, or joins what was pushed last.
 struct TreeStep {
   enum class Kind : uint32_t {
     leaves, ///< cone-spheres
     solid,
-    sum,
-    maximum,
-    minimum,
-    difference,
-    r_union,
-    r_intersection,
-    r_difference,
-    hyper_blend,
-    local_blend, ///< the last operand is the region
+    join,
   };
   Kind kind = Kind::leaves;
   uint32_t first = 0; ///< of `leaves`: the first one; of `solid`: which
   uint32_t count = 0; ///< leaves, or operands: 2, any number of `local_blend`
   /// The field falls where this rises: it stands below an odd number of subtractions.
   bool is_subtracted = false;
-  float exponent = 1; ///< of `hyper_blend`
-
-  bool is_join() const { return kind != Kind::leaves && kind != Kind::solid; }
+  // Of a join:
+  Join join = Join::sum;
+  float exponent = 1;            ///< of `hyper_blend`
+  uint32_t node = 0;             ///< its operator in the program…
+  Demand demand = Demand::value; ///< …and what the whole tree asks of that
 };
 
 /// A space of the program that is warped in the world: there a ray is a curve.
@@ -129,7 +145,7 @@ struct TreeView {
   std::span<const TreeSpace> spaces;
   const float* leaves;
   size_t leaf_count; ///< with padding: leaves that are 0 everywhere
-  bool is_monotone;  ///< no R-union and no local blend: steps rise, or fall, with each operand
+  bool is_monotone;  ///< all its joins are
   Solids solids;
   const LaneAxis* axes; ///< of its warps
 
