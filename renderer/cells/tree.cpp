@@ -159,7 +159,7 @@ private:
     return true;
   }
 
-  /// Calls visit(kind, solid) for the skeleton of a step; false for a signed distance, which no tree has.
+  /// Calls visit(kind, solid) for the skeleton of a step; false for a signed distance.
   template <class Visit>
   bool visit_skeleton(const Instruction& step, Visit&& visit) const {
     return std::visit(
@@ -172,8 +172,8 @@ private:
 
   /// Whether a step is a skeleton that is no cone-sphere.
   bool is_solid(const Instruction& step) const {
-    if (step.kind != Instruction::Kind::skeleton) return false;
-    return visit_skeleton(step, [](const auto&, const auto& solid) { return !std::is_same_v<decltype(solid), const ConeSphereSolid&>; });
+    return step.kind == Instruction::Kind::skeleton &&
+           !visit_skeleton(step, [](const auto&, const auto& solid) { return std::is_same_v<decltype(solid), const ConeSphereSolid&>; });
   }
 
   bool add_cone_sphere(const Instruction& step, bool is_subtracted) {
@@ -195,21 +195,60 @@ private:
     const double half = 0.5 * double(cell_.diagonal()), infinity = std::numeric_limits<double>::infinity();
     const SolidPlace place{local_from_base(base.centre), local_from_base.linear,
                            base.slot == 0 ? half * stretch(local_from_base.linear) : infinity};
-    const bool is_known = visit_skeleton(step, [&](const auto& kind, const auto& solid) {
-      const FalloffPolynomial f = polynomial(kind.falloff);
-      const double weight = kind.weight;
-      leaf.k = static_cast<float>(1 / square(double(kind.radius)));
-      leaf.a = static_cast<float>(weight * f.a), leaf.b = static_cast<float>(weight * f.b), leaf.crest = crest(f.a, f.b);
-      return add_solid(step.node, solid, place, leaf);
-    });
+    const bool is_known = std::visit(
+        [&](const auto& kind) {
+          using K = std::decay_t<decltype(kind)>;
+          if constexpr (SolidSkeleton<K>) {
+            leaf.potential = bump(kind.weight, kind.falloff, kind.radius);
+            return add_solid(step.node, kind.solid(), place, leaf);
+          } else if constexpr (SignedDistance<K>) {
+            return add_distance(kind, place, leaf);
+          }
+          return false;
+        },
+        program_.field.nodes[step.node]);
     if (!is_known) return false;
-    leaf.sign = (leaf.a + leaf.b < 0) == is_subtracted ? 1.f : -1.f;
+    leaf.sign = leaf.potential.is_positive() != is_subtracted ? 1.f : -1.f;
     leaf.slot = base.slot, leaf.drift = static_cast<float>(base.turning * stretch(local_from_base.linear));
     leaf.bending = static_cast<float>(base.bending * stretch(local_from_base.linear));
     leaf.node = step.node, leaf.space = step.space;
     out_.steps.push_back({TreeStep::Kind::solid, static_cast<uint32_t>(out_.solids.size()), 1, is_subtracted});
     out_.solids.push_back(leaf);
     return true;
+  }
+
+  static SolidPotential bump(double weight, Falloff falloff, double radius) {
+    const FalloffPolynomial f = polynomial(falloff);
+    SolidPotential p;
+    p.a = static_cast<float>(weight * f.a), p.b = static_cast<float>(weight * f.b);
+    p.k = static_cast<float>(1 / square(radius)), p.crest = crest(f.a, f.b);
+    return p;
+  }
+
+  /// As field/distances/distance_field.h says. False for a distance to what is no section.
+  template <SignedDistance Kind>
+  bool add_distance(const Kind& kind, const SolidPlace& place, SolidLeaf& leaf) {
+    switch (kind.falloff) {
+    case DistanceFalloff::distance: {
+      const double weight = double(kind.weight) * program_.threshold;
+      const auto number = [](double x) { return static_cast<float>(x); };
+      leaf.potential = {SolidPotential::Form::ramp, number(weight), number(weight / kind.reach())};
+      leaf.potential.low = number(std::min(0.0, 2 * weight)), leaf.potential.high = number(std::max(0.0, 2 * weight));
+      break;
+    }
+    case DistanceFalloff::quartic: leaf.potential = bump(kind.weight, Falloff::quartic, kind.reach()); break;
+    case DistanceFalloff::cubic: leaf.potential = bump(kind.weight, Falloff::cubic, kind.reach()); break;
+    case DistanceFalloff::wyvill: leaf.potential = bump(kind.weight, Falloff::wyvill, kind.reach()); break;
+    }
+    leaf.is_signed = true;
+    if constexpr (requires { section_of(kind); }) {
+      add_parts(section_of(kind), place, out_, leaf);
+      return true;
+    } else if constexpr (std::is_same_v<Kind, SdfPlane<SampledMode>>) {
+      add_half_space({Vec3d(kind.point), Vec3d(kind.normal)}, place, out_, leaf);
+      return true;
+    }
+    return false;
   }
 
   template <class Solid>

@@ -69,6 +69,8 @@ struct Bump {
     return choose(hn::And(hn::Gt(line.middle(), least), hn::Ge(line.least(), hn::Zero(k_lanes))), line, {least, least});
   }
 
+  Bump negated() const { return {k, hn::Neg(a), hn::Neg(b), crest}; }
+
 private:
   V scale(const Line& distance) const {
     const V rise = hn::Mul(set(0.5f), hn::Sub(distance.right, distance.left));
@@ -76,15 +78,38 @@ private:
   }
 };
 
+/// The numbers of a potential a - b d, but at least `low` and at most `high` (which may be infinite), with b >= 0.
+struct Ramp {
+  V a, b, low, high;
+
+  V at(V distance) const { return hn::Min(hn::Max(hn::NegMulAdd(b, distance, a), low), high); }
+
+  /// Above the potential where the distance is at least what lies on a line. Cut off below it is convex, and so lies below its chord.
+  Line above(const Line& distance) const {
+    const Line raised = join_ends(linear(distance), {low, low}, [](V x, V y) { return hn::Max(x, y); });
+    return choose(hn::Ge(raised.least(), high), {high, high}, raised);
+  }
+  /// Below it where the distance is at most what lies on a line. Cut off above it is concave.
+  Line below(const Line& distance) const {
+    const Line capped = join_ends(linear(distance), {high, high}, [](V x, V y) { return hn::Min(x, y); });
+    return choose(hn::Gt(capped.middle(), low), capped, {low, low});
+  }
+
+  Ramp negated() const { return {hn::Neg(a), hn::Neg(b), hn::Neg(high), hn::Neg(low)}; }
+
+private:
+  Line linear(const Line& d) const { return {hn::NegMulAdd(b, d.left, a), hn::NegMulAdd(b, d.right, a)}; }
+};
+
 /// Adds the bounds of a potential to those of a sum. `far()`: above the distance; asked for only if it matters.
-template <class Far>
-HWY_INLINE void add_lines(const Bump& bump, bool is_positive, bool wants_low, const Line& near, const Far& far, Slope& sum) {
+template <class Potential, class Far>
+HWY_INLINE void add_lines(const Potential& potential, bool is_positive, bool wants_low, const Line& near, const Far& far, Slope& sum) {
   if (is_positive) {
-    sum.high = sum.high + bump.above(near);
-    if (wants_low) sum.low = sum.low + bump.below(far());
+    sum.high = sum.high + potential.above(near);
+    if (wants_low) sum.low = sum.low + potential.below(far());
     return;
   }
-  const Bump positive{bump.k, hn::Neg(bump.a), hn::Neg(bump.b), bump.crest};
+  const Potential positive = potential.negated();
   const auto negative = [](const Line& line) { return Line{hn::Neg(line.left), hn::Neg(line.right)}; };
   sum.high = sum.high + negative(positive.below(far()));
   if (wants_low) sum.low = sum.low + negative(positive.above(near));

@@ -34,8 +34,9 @@ struct RFunctions {
 
 /// The hyper-blend of two fields, the part below 0 counting as 0: m (1 + r^n)^(1/n), m the larger and r the ratio.
 static HWY_NOINLINE V hyper_blend(float exponent, V a, V b) {
-  const V zero = hn::Zero(k_lanes), least = set(std::numeric_limits<float>::min());
-  const V m = hn::Max(hn::Max(a, b), zero), ratio = hn::Div(hn::Max(hn::Min(a, b), zero), hn::Max(m, least));
+  const V zero = hn::Zero(k_lanes), least = set(std::numeric_limits<float>::min()), m = hn::Max(hn::Max(a, b), zero);
+  if (hn::AllTrue(k_lanes, hn::Le(hn::Min(a, b), zero))) return m; // mostly: the fields overlap in a few places only
+  const V ratio = hn::Div(hn::Max(hn::Min(a, b), zero), hn::Max(m, least));
   const V power = hn::Exp(k_lanes, hn::Mul(set(exponent), hn::Log(k_lanes, hn::Max(ratio, least))));
   const V factor = hn::Exp(k_lanes, hn::Mul(set(1 / exponent), hn::Log1p(k_lanes, power)));
   return hn::Mul(m, hn::IfThenElse(hn::Gt(ratio, least), factor, set(1)));
@@ -61,8 +62,10 @@ HWY_INLINE V join_values(const TreeStep& step, float threshold, const At& at) {
   case Join::minimum: return hn::Min(a, b);
   case Join::difference: return hn::Max(zero, hn::Min(a, hn::Sub(twice, b)));
   case Join::r_union: {
-    const V both = hn::Mul(t, RFunctions::unite(in_units(a), in_units(b)));
-    return hn::IfThenElse(hn::Le(a, zero), hn::Max(b, zero), hn::IfThenElse(hn::Le(b, zero), a, both));
+    const M only_b = hn::Le(a, zero), only_a = hn::Le(b, zero);
+    const V alone = hn::IfThenElse(only_b, hn::Max(b, zero), a);
+    if (hn::AllTrue(k_lanes, hn::Or(only_a, only_b))) return alone; // mostly: the fields overlap in a few places only
+    return hn::IfThenElse(hn::Or(only_a, only_b), alone, hn::Mul(t, RFunctions::unite(in_units(a), in_units(b))));
   }
   case Join::r_intersection:
     return hn::IfThenZeroElse(hn::Or(hn::Le(a, zero), hn::Le(b, zero)), hn::Mul(t, RFunctions::intersect(in_units(a), in_units(b))));

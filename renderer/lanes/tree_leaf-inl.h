@@ -121,7 +121,7 @@ HWY_INLINE void add_leaf(const Leaf& leaf, bool is_positive, bool wants_low, con
   const V distance = offset.distance(), rise = hn::Mul(offset.rate(velocity), h), near = hn::NegMulAdd(drift, h, distance);
   sum.value = hn::Add(sum.value, leaf.potential(square_of_positive(distance)));
   const auto far = [&] { return most_distances(leaf, place, velocity, drift, h); };
-  add_lines({leaf.k, leaf.a, leaf.b, leaf.crest}, is_positive, wants_low, {hn::Sub(near, rise), hn::Add(near, rise)}, far, sum);
+  add_lines(Bump{leaf.k, leaf.a, leaf.b, leaf.crest}, is_positive, wants_low, {hn::Sub(near, rise), hn::Add(near, rise)}, far, sum);
 }
 
 } // namespace HWY_NAMESPACE

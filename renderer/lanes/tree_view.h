@@ -112,19 +112,34 @@ struct SolidPart {
   uint32_t first_edge = 0, edge_count = 0; ///< into Solids::edges
 };
 
-/// A skeleton that is no cone-sphere. Its potential is q^2 (a + b q), as that of the others.
+/// What a solid's potential is at a distance d from it.
+struct SolidPotential {
+  enum class Form : uint32_t {
+    bump, ///< q^2 (a + b q) with q = max(0, 1 - k d^2), as that of cone-spheres
+    ramp, ///< a - b d, but at least `low` and at most `high`, which may be infinite: of signed distances
+  };
+  Form form = Form::bump;
+  float a = 0, b = 0;
+  float k = 0, crest = 1;                                                     ///< of a bump; crest: as leaf_crest
+  float low = 0, high = 0;                                                    ///< of a ramp
+  bool is_positive() const { return form == Form::bump ? a + b > 0 : b > 0; } ///< whether it rises with nearness
+};
+
+/// A skeleton that is no cone-sphere.
 struct SolidLeaf {
   enum class Form : uint32_t {
-    extruded, ///< the part as it is
-    turned,   ///< the part, where x is the distance from the axis of its frame and y the height along it
-    arc,      ///< the same of a point, that is a circle, between two ends
-    hull,     ///< the parts are its faces, those that the cell can see: z is outward
+    extruded,   ///< the part as it is
+    turned,     ///< the part, where x is the distance from the axis of its frame and y the height along it
+    arc,        ///< the same of a point, that is a circle, between two ends
+    hull,       ///< the parts are its faces, those that the cell can see: z is outward
+    half_space, ///< all below z = 0 in the part's frame, by its signed distance
   };
   Form form;
   bool is_convex;
+  bool is_signed;                  ///< inside a rectangle, extruded or turned, the distance is below 0, not 0
   uint32_t first_part, part_count; ///< into Solids::parts
   float growth;                    ///< the solid is all that is nearer than this
-  float k, a, b, crest;
+  SolidPotential potential;
   float sign, drift, bending;               ///< as leaf_sign, leaf_drift, leaf_bending
   uint32_t slot;                            ///< as leaf_space
   float end_x, end_y;                       ///< of an arc: its end, on the side y >= 0 of the frame

@@ -225,10 +225,11 @@ private:
   }
 
   /// Whether leaves, at distances that change at these rates, have come nearer for a length and make the field rise, or have
-  /// not reached.
-  static bool only_approach(V distance, V rate, V sign, V k, V length) {
+  /// not reached: potential(distance) says what they are.
+  template <class Potential>
+  static bool only_approach(V distance, V rate, V sign, V length, const Potential& potential) {
     const V zero = hn::Zero(k_lanes), nearest = hn::NegMulAdd(hn::Max(rate, zero), length, distance);
-    const auto reaches = hn::Lt(hn::Mul(square_of_positive(nearest), k), set(1));
+    const auto reaches = hn::Ne(potential(nearest), zero);
     const auto approaches = hn::And(hn::Gt(sign, zero), hn::Le(rate, zero));
     return hn::AllFalse(k_lanes, hn::AndNot(approaches, reaches));
   }
@@ -243,7 +244,7 @@ private:
       const Offset offset = offset_of_leaves(leaf, i, to);
       const V rate = offset.rate(load(ray_.x1, ray_.y1, ray_.z1, i));
       const V sign = hn::LoadU(k_lanes, tree_.leaves + leaf_sign * tree_.leaf_count + i);
-      if (!only_approach(offset.distance(), rate, sign, leaf.k, length)) return false;
+      if (!only_approach(offset.distance(), rate, sign, length, [&](V d) { return leaf.potential(square_of_positive(d)); })) return false;
     }
     for (size_t i = 0; i < tree_.solids.leaves.size(); ++i) {
       if (!ray_.is_solid_active[i]) continue;
@@ -251,7 +252,7 @@ private:
       const WarpedRay::Place at = place_in_base(leaf.slot, to);
       V rate;
       const V distance = SolidView(tree_.solids, leaf).distance(lanes_of(at.at), lanes_of(at.velocity), rate);
-      if (!only_approach(distance, rate, set(leaf.sign), set(leaf.k), length)) return false;
+      if (!only_approach(distance, rate, set(leaf.sign), length, [&](V d) { return solid_potential(leaf, d); })) return false;
     }
     return true;
   }

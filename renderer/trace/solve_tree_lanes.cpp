@@ -246,7 +246,7 @@ private:
     const auto reaches = hn::And(live_, hn::Ne(peak, zero));
     hn::Store(hn::IfThenElseZero(reaches, set(1)), k_lanes, lanes_.reaches.get() + step.first * k_width);
     const V met = hn::IfThenElseZero(reaches, peak);
-    return {{0, none(reaches), leaf.a + leaf.b < 0}, {zero, hn::Min(met, zero), hn::Max(met, zero)}};
+    return {{0, none(reaches), !leaf.potential.is_positive()}, {zero, hn::Min(met, zero), hn::Max(met, zero)}};
   }
 
   /// f - T in the middle of each lane's stretch, and its bounds within.

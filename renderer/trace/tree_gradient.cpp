@@ -28,7 +28,8 @@ inline Gradient solid_value(const FieldProgram& program, const SolidLeaf& leaf, 
   const Point3<Gradient> p = points.at(program, leaf.space, world);
   return std::visit(
       [&](const auto& kind) -> Gradient {
-        if constexpr (SolidSkeleton<std::decay_t<decltype(kind)>>) return potential(kind, p);
+        using K = std::decay_t<decltype(kind)>;
+        if constexpr (Skeleton<K>) return potential(kind, p) * potential_unit(kind, program.threshold);
         return {};
       },
       program.field.nodes[leaf.node]);
