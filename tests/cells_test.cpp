@@ -34,6 +34,13 @@ Vec3d from_part(const Solids& solids, const SolidPart& part, Vec3d q, bool has_h
   return {across.x, across.y, r.z};
 }
 
+/// How far outside a rectangle a point is, or how far inside as a number below 0.
+double signed_distance_to_part(const SolidPart& part, const Vec3d& q, bool has_height) {
+  double side = std::max({part.x_low - q.x, q.x - part.x_high, part.y_low - q.y, q.y - part.y_high});
+  if (has_height) side = std::max({side, part.z_low - q.z, q.z - part.z_high});
+  return side;
+}
+
 /// The potential of a solid, by tree.h.
 double solid_value(const Solids& solids, const SolidLeaf& leaf, const Vec3d& p) {
   double d = std::numeric_limits<double>::infinity();
@@ -46,12 +53,20 @@ double solid_value(const Solids& solids, const SolidLeaf& leaf, const Vec3d& p) 
     const bool is_turned = leaf.form == SolidLeaf::Form::turned || leaf.form == SolidLeaf::Form::arc;
     d = std::min(d, glm::length(from_part(solids, part, is_turned ? turned : q, !is_turned)));
     is_outside |= q.z > 0;
+    if (leaf.is_signed) {
+      const double side = signed_distance_to_part(part, is_turned ? turned : q, !is_turned);
+      if (side < 0) d = side;
+    }
+    if (leaf.form == SolidLeaf::Form::half_space) d = q.z;
     if (leaf.form == SolidLeaf::Form::arc && leaf.past_end_x * q.x + leaf.past_end_y * std::abs(q.y) + leaf.past_end_0 > 0)
       d = glm::length(Vec3d(q.x - leaf.end_x, std::abs(q.y) - leaf.end_y, q.z));
   }
   if (leaf.form == SolidLeaf::Form::hull && !is_outside) d = 0;
-  const double q = std::max(0.0, 1 - leaf.k * square(std::max(0.0, d - leaf.growth)));
-  return q * q * (leaf.a + leaf.b * q);
+  const SolidPotential& f = leaf.potential;
+  d -= leaf.growth;
+  if (f.form == SolidPotential::Form::ramp) return std::clamp(f.a - f.b * d, double(f.low), double(f.high));
+  const double q = std::max(0.0, 1 - f.k * square(std::max(0.0, d)));
+  return q * q * (f.a + f.b * q);
 }
 
 template <class Function>
@@ -67,7 +82,7 @@ double tree_value(const TreeView& tree, const Vec3d& p, double threshold) {
       for (uint32_t i = 0; i < step.count; ++i) result += leaf_value(tree, step.first + i, p);
     } else if (step.kind == TreeStep::Kind::solid) {
       result = solid_value(tree.solids, tree.solids.leaves[step.first], p);
-    } else if (step.kind == TreeStep::Kind::local_blend) {
+    } else if (step.join == Join::local_blend) {
       const std::span<const double> f = std::span(stack).last(step.count);
       const double most = *std::max_element(f.begin(), f.end() - 1), sum = std::accumulate(f.begin(), f.end() - 1, 0.0);
       result = most + std::clamp(f.back(), 0.0, 1.0) * (sum - most);
@@ -75,20 +90,20 @@ double tree_value(const TreeView& tree, const Vec3d& p, double threshold) {
     } else {
       const auto operands = stack.end() - step.count;
       result = *operands;
-      for (auto f = operands + 1; f != stack.end(); ++f) switch (step.kind) {
-        case TreeStep::Kind::maximum: result = std::max(result, *f); break;
-        case TreeStep::Kind::minimum: result = std::min(result, *f); break;
-        case TreeStep::Kind::difference: result = std::min(result, 2 * threshold - *f); break;
-        case TreeStep::Kind::sum: result += *f; break;
-        case TreeStep::Kind::hyper_blend:
+      for (auto f = operands + 1; f != stack.end(); ++f) switch (step.join) {
+        case Join::maximum: result = std::max(result, *f); break;
+        case Join::minimum: result = std::min(result, *f); break;
+        case Join::difference: result = std::min(result, 2 * threshold - *f); break;
+        case Join::sum: result += *f; break;
+        case Join::hyper_blend:
           result = std::pow(std::pow(std::max(0.0, result), step.exponent) + std::pow(std::max(0.0, *f), step.exponent), 1 / step.exponent);
           break;
-        case TreeStep::Kind::r_union: result = r_join<r_function::Unite>(result, *f, threshold); break;
-        case TreeStep::Kind::r_intersection: result = r_join<r_function::Intersect>(result, *f, threshold); break;
-        case TreeStep::Kind::r_difference: result = r_join<r_function::Intersect>(result, 2 * threshold - *f, threshold); break;
-        default: ADD_FAILURE() << "no join";
+        case Join::r_union: result = r_join<r_function::Unite>(result, *f, threshold); break;
+        case Join::r_intersection: result = r_join<r_function::Intersect>(result, *f, threshold); break;
+        case Join::r_difference: result = r_join<r_function::Intersect>(result, 2 * threshold - *f, threshold); break;
+        case Join::local_blend: break;
         }
-      if (step.kind == TreeStep::Kind::difference) result = std::max(0.0, result);
+      if (step.join == Join::difference) result = std::max(0.0, result);
       stack.erase(operands, stack.end());
     }
     stack.push_back(result);

@@ -2,7 +2,9 @@
 #define HWY_COMPILE_ONLY_STATIC
 #include <gtest/gtest.h>
 
-#include "renderer/lanes/tree_leaf-inl.h"
+#include "renderer/cells/tree.h"
+#include "renderer/lanes/solid_leaf-inl.h"
+#include "renderer/lanes/tree_joins-inl.h"
 #include "tests/support/random_scene.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -33,6 +35,75 @@ double past_lines_of_bump(Random& r) {
   return most / weight;
 }
 
+/// The same for a ramp; without limits, too, as signed distances are where nothing cuts them off.
+double past_lines_of_ramp(Random& r) {
+  constexpr float k_infinity = std::numeric_limits<float>::infinity();
+  const float a = float(r.uniform(-1, 3)), b = float(r.log_uniform(0.3, 30));
+  const bool is_cut = r.below(3) > 0;
+  const Ramp ramp{set(a), set(b), set(is_cut ? 0 : -k_infinity), set(is_cut ? 2 : k_infinity)};
+  const Line distance = line((a - r.uniform(-1, 3)) / b, (a - r.uniform(-1, 3)) / b);
+  const Line above = ramp.above(distance), below = ramp.below(distance);
+  double most = 0;
+  for (int i = 0; i < k_places; ++i) {
+    const float u = float(i) / (k_places - 1);
+    const float f = hn::GetLane(ramp.at(set(at(distance, u))));
+    most = std::max({most, double(f - at(above, u)), double(at(below, u) - f)});
+    if (!is_cut) most = std::max({most, double(at(above, u) - f), double(f - at(below, u))}); // it is the line
+  }
+  return most;
+}
+
+/// How far the signed distance to a solid, along a ray, comes out of what is said of it: below the line below it, above the one above it,
+/// or off the value and the rate of change in the middle.
+template <class Kind>
+double past_lines_of_distance(Random& r, const Kind& kind, const Box3d& around) {
+  SampledField field;
+  add(field, kind);
+  const FieldProgram program = compile(std::move(field), 1);
+  const Vec3 middle(r.in(around.padded(0.3)));
+  const std::optional<Tree> tree = make_tree(program, program.code, {middle - 0.3f, middle + 0.3f});
+  if (!tree || tree->solids.size() != 1) return std::numeric_limits<double>::infinity();
+  const TreeView leaves = tree->view();
+  const SolidView view(leaves.solids, tree->solids[0]);
+  const Vec3 place(0.2 * r.direction()), velocity(r.direction());
+  const double half = r.log_uniform(1e-3, 0.3);
+  const auto vector = [](const Vec3& v) { return V3{set(v.x), set(v.y), set(v.z)}; };
+  const SolidRange range = view.range(vector(place), vector(velocity), set(float(half)), true);
+  const auto exact = [&](double s) {
+    const Vec3d p = Vec3d(middle) + Vec3d(place) + s * Vec3d(velocity);
+    return kind.signed_distance(Point3<double>{p.x, p.y, p.z});
+  };
+  V rate;
+  double most = std::abs(double(hn::GetLane(view.distance(vector(place)))) - exact(0));
+  most = std::max(most, std::abs(double(hn::GetLane(view.distance(vector(place), vector(velocity), rate))) - exact(0)));
+  for (int i = 0; i < k_places; ++i) {
+    const float u = float(i) / (k_places - 1);
+    const double s = half * (2 * double(u) - 1), d = exact(s);
+    most = std::max({most, double(at(range.near, u)) - d, d - double(at(range.far, u))});
+    // A tangent below it; of what is not convex a bound of the slope.
+    const double slope = double(hn::GetLane(rate));
+    most = std::max(most, (tree->solids[0].is_convex ? exact(0) + slope * s : exact(0) - slope * std::abs(s)) - d);
+  }
+  return most;
+}
+
+double past_lines_of_any_distance(Random& r, int kind) {
+  const auto special = [&](auto k) {
+    make_special(k, r);
+    return past_lines_of_distance(r, k, k.solid_box());
+  };
+  switch (kind) {
+  case 0: return special(random_kind<SdfSphere>(r));
+  case 1: return special(random_kind<SdfBox>(r));
+  case 2: return special(random_kind<SdfCylinder>(r));
+  case 3: return special(random_kind<SdfCapsule>(r));
+  case 4: return special(random_kind<SdfTorus>(r));
+  }
+  SdfPlane<SampledMode> plane;
+  plane.point = random_point(r), plane.normal = Vec3(r.direction());
+  return past_lines_of_distance(r, plane, {Vec3d(plane.point), Vec3d(plane.point)}); // it has no end
+}
+
 /// The same for an R-union of fields between two lines each.
 double past_line_of_r_union(Random& r) {
   const double largest = r.below(2) ? 1.2 : 4;
@@ -61,6 +132,16 @@ namespace {
 TEST(FieldLines, APotentialLiesBetweenItsLines) {
   Random r(1);
   for (int trial = 0; trial < 50'000; ++trial) ASSERT_LT(HWY_STATIC_DISPATCH(past_lines_of_bump)(r), 1e-5) << trial;
+}
+
+TEST(FieldLines, ARampLiesBetweenItsLines) {
+  Random r(1);
+  for (int trial = 0; trial < 50'000; ++trial) ASSERT_LT(HWY_STATIC_DISPATCH(past_lines_of_ramp)(r), 2e-5) << trial;
+}
+
+TEST(FieldLines, ASignedDistanceLiesBetweenItsLines) {
+  Random r(1);
+  for (int trial = 0; trial < 12'000; ++trial) ASSERT_LT(HWY_STATIC_DISPATCH(past_lines_of_any_distance)(r, trial % 6), 1e-5) << trial;
 }
 
 TEST(FieldLines, AnRUnionLiesBelowItsLine) {

@@ -62,6 +62,30 @@ SolidPart extruded_polygon(const AxisFrame& frame, std::span<const Vec2d> corner
 
 } // namespace
 
+SectionSolid section_of(const SdfSphere<SampledMode>& s) {
+  return SectionSolid::turned({Vec3d(s.centre), Vec3d(0, 1, 0)}).with_rectangle(0, 0, 0).grown_by(s.sphere_radius);
+}
+SectionSolid section_of(const SdfBox<SampledMode>& s) {
+  const double round = std::min(double(s.rounding), s.inner_radius());
+  const Vec3d half = 0.5 * Vec3d(s.size) - round;
+  const AxisFrame frame{Vec3d(s.centre), Vec3d(s.axis), Vec3d(s.across)};
+  return SectionSolid::extruded(frame, half.y).with_rectangle(-half.x, half.x, half.z).grown_by(round);
+}
+SectionSolid section_of(const SdfCylinder<SampledMode>& s) {
+  const Vec3d axis = Vec3d(s.to) - Vec3d(s.from);
+  const double r = s.cylinder_radius;
+  return SectionSolid::turned({Vec3d(s.from) + 0.5 * axis, axis}).with_rectangle(-r, r, 0.5 * glm::length(axis));
+}
+SectionSolid section_of(const SdfCapsule<SampledMode>& s) {
+  const Vec3d axis = Vec3d(s.to) - Vec3d(s.from);
+  return SectionSolid::turned({Vec3d(s.from) + 0.5 * axis, axis}).with_rectangle(0, 0, 0.5 * glm::length(axis)).grown_by(s.capsule_radius);
+}
+SectionSolid section_of(const SdfTorus<SampledMode>& s) {
+  return SectionSolid::turned({Vec3d(s.centre), Vec3d(s.normal)})
+      .with_rectangle(s.major_radius, s.major_radius, 0)
+      .grown_by(s.minor_radius);
+}
+
 void add_parts(const SectionSolid& solid, const SolidPlace& place, Tree& out, SolidLeaf& leaf) {
   leaf.form = solid.is_turned ? SolidLeaf::Form::turned : SolidLeaf::Form::extruded;
   leaf.is_convex = solid.is_convex, leaf.growth = static_cast<float>(solid.growth);
@@ -86,6 +110,12 @@ void add_parts(const SectionSolid& solid, const SolidPlace& place, Tree& out, So
   set_rectangle(part, x - origin.x, y - origin.y);
   part.z_low = static_cast<float>(z.lo - origin.z), part.z_high = static_cast<float>(z.hi - origin.z);
   add(part, out, leaf);
+}
+
+void add_half_space(const AxisFrame& frame, const SolidPlace& place, Tree& out, SolidLeaf& leaf) {
+  leaf.form = SolidLeaf::Form::half_space, leaf.is_convex = true;
+  const Vec3d at = centre_in(frame, place);
+  add(part_from(frame, {at.x, at.y, 0}, place), out, leaf);
 }
 
 void add_parts(const ArcSolid& solid, const SolidPlace& place, Tree& out, SolidLeaf& leaf) {

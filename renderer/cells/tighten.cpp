@@ -10,6 +10,7 @@
 #include "renderer/cells/tighten.h"
 #include "renderer/lanes/lanes-inl.h"
 #include "renderer/lanes/solid_leaf-inl.h"
+#include "renderer/lanes/tree_joins-inl.h"
 #include "renderer/lanes/tree_leaf-inl.h"
 #include "renderer/lanes/warp_lanes-inl.h"
 
@@ -97,16 +98,9 @@ public:
 
   V most_within(const BoxParts& parts) {
     look_from(parts);
-    Range stack[k_tree_depth + 1];
-    size_t depth = 0;
     const V zero = hn::Zero(k_lanes);
-    for (const TreeStep& step : tree_.steps) {
-      if (step.is_join()) {
-        depth -= step.count - 1;
-        stack[depth - 1] = join_ranges(step, threshold_, [&](uint32_t i) -> const Range& { return stack[depth - 1 + i]; });
-        continue;
-      }
-      Range sum{zero, zero, zero};
+    const auto bound = [&](const TreeStep& step, Range& sum) {
+      sum = {zero, zero, zero};
       const auto add = [&](V nearest) {
         sum.low = hn::Add(sum.low, hn::Min(nearest, zero)), sum.high = hn::Add(sum.high, hn::Max(nearest, zero));
       };
@@ -114,9 +108,11 @@ public:
         add(nearest_to_solid(tree_.solids.leaves[step.first]));
       else
         for (uint32_t i = step.first; i < step.first + step.count; ++i) add(nearest_to_leaf(i));
-      stack[depth++] = sum;
-    }
-    return stack[0].high;
+    };
+    const auto join = [&](const TreeStep& step, Range* operands) {
+      operands[0] = join_ranges(step, threshold_, [&](uint32_t i) -> const Range& { return operands[i]; });
+    };
+    return fold_tree<Range>(tree_.steps, bound, join).high;
   }
 
 private:

@@ -23,15 +23,14 @@ constexpr double k_steepest = 1e5;
 
 /// What an operator is in a tree, if it can be in one.
 template <class Kind>
-std::optional<TreeStep::Kind> step_kind(const Kind& kind, Demand demand) {
+std::optional<Join> join_of(const Kind& kind, Demand demand) {
   using M = SampledMode;
-  using Step = TreeStep::Kind;
-  if constexpr (std::is_same_v<Kind, Blend<M>>) return Step::sum;
-  if constexpr (std::is_same_v<Kind, Union<M>>) return is_smooth(kind.formula, demand) ? Step::r_union : Step::maximum;
-  if constexpr (std::is_same_v<Kind, Intersection<M>>) return is_smooth(kind.formula, demand) ? Step::r_intersection : Step::minimum;
-  if constexpr (std::is_same_v<Kind, Difference<M>>) return is_smooth(kind.formula, demand) ? Step::r_difference : Step::difference;
-  if constexpr (std::is_same_v<Kind, HyperBlend<M>>) return Step::hyper_blend;
-  if constexpr (std::is_same_v<Kind, LocalBlend<M>>) return Step::local_blend;
+  if constexpr (std::is_same_v<Kind, Blend<M>>) return Join::sum;
+  if constexpr (std::is_same_v<Kind, Union<M>>) return is_smooth(kind.formula, demand) ? Join::r_union : Join::maximum;
+  if constexpr (std::is_same_v<Kind, Intersection<M>>) return is_smooth(kind.formula, demand) ? Join::r_intersection : Join::minimum;
+  if constexpr (std::is_same_v<Kind, Difference<M>>) return is_smooth(kind.formula, demand) ? Join::r_difference : Join::difference;
+  if constexpr (std::is_same_v<Kind, HyperBlend<M>>) return Join::hyper_blend;
+  if constexpr (std::is_same_v<Kind, LocalBlend<M>>) return Join::local_blend;
   return {};
 }
 
@@ -70,8 +69,8 @@ public:
   }
 
 private:
-  std::optional<TreeStep::Kind> kind_of(const Instruction& step) const {
-    return std::visit([&](const auto& kind) { return step_kind(kind, step.demand); }, program_.field.nodes[step.node]);
+  std::optional<Join> join_of_step(const Instruction& step) const {
+    return std::visit([&](const auto& kind) { return join_of(kind, step.demand); }, program_.field.nodes[step.node]);
   }
   std::span<const uint32_t> operands(const Instruction& step) const { return code_.operands.subspan(step.first, step.count); }
 
@@ -80,33 +79,33 @@ private:
     if (depth >= k_tree_depth) return false;
     const Instruction& step = code_.steps[position];
     if (is_solid(step)) return emit_solid(step, is_subtracted);
-    const std::optional<TreeStep::Kind> kind = step.kind == Instruction::Kind::combine ? kind_of(step) : TreeStep::Kind::sum;
-    if (!kind) return false;
-    if (*kind == TreeStep::Kind::sum) return emit_sum(position, depth, is_subtracted);
-    if (*kind == TreeStep::Kind::local_blend) return emit_local_blend(step, depth, is_subtracted);
-    const bool subtracts = *kind == TreeStep::Kind::difference || *kind == TreeStep::Kind::r_difference;
-    const bool is_clamped =
-        subtracts || *kind == TreeStep::Kind::r_union || *kind == TreeStep::Kind::r_intersection || *kind == TreeStep::Kind::hyper_blend;
-    if (is_clamped && step.count == 1) return false; // the part above 0 of a lone operand
-    const float exponent = *kind == TreeStep::Kind::hyper_blend ? exponent_of(step) : 1;
-    if (exponent < k_least_exponent) return false;
-    out_.is_monotone &= *kind != TreeStep::Kind::r_union;
+    const std::optional<Join> join = step.kind == Instruction::Kind::combine ? join_of_step(step) : Join::sum;
+    if (!join) return false;
+    if (*join == Join::sum) return emit_sum(position, depth, is_subtracted);
+    if (*join == Join::local_blend) return emit_local_blend(step, depth, is_subtracted);
+    if (is_clamped(*join) && step.count == 1) return false; // the part above 0 of a lone operand
+    if (exponent_of(step, *join) < k_least_exponent) return false;
     // Joined two by two, so that the stack stays low however many there are.
     uint32_t count = 0;
     const size_t first = out_.steps.size();
     for (const uint32_t operand : operands(step)) {
-      const bool flips = subtracts && count > 0;
+      const bool flips = subtracts(*join) && count > 0;
       if (!emit(operand, depth + (count > 0), is_subtracted != flips)) return false;
-      if (count++ > 0) out_.steps.push_back({*kind, 0, 2, is_subtracted, exponent});
+      if (count++ > 0) add_join(step, *join, 2, is_subtracted);
     }
     // Below 1 it rises from 0 infinitely fast, and in float R-functions are not quite 0 where they should be.
-    const auto is_r_function = [](const TreeStep& s) {
-      return s.kind >= TreeStep::Kind::r_union && s.kind <= TreeStep::Kind::r_difference;
-    };
-    return exponent >= 1 || std::none_of(out_.steps.begin() + std::ptrdiff_t(first), out_.steps.end(), is_r_function);
+    const auto joins_by_r_function = [](const TreeStep& s) { return s.kind == TreeStep::Kind::join && is_r_function(s.join); };
+    return exponent_of(step, *join) >= 1 || std::none_of(out_.steps.begin() + std::ptrdiff_t(first), out_.steps.end(), joins_by_r_function);
   }
 
-  float exponent_of(const Instruction& step) const { return std::get<HyperBlend<SampledMode>>(program_.field.nodes[step.node]).n; }
+  float exponent_of(const Instruction& step, Join join) const {
+    return join == Join::hyper_blend ? std::get<HyperBlend<SampledMode>>(program_.field.nodes[step.node]).n : 1;
+  }
+
+  void add_join(const Instruction& step, Join join, uint32_t operands, bool is_subtracted) {
+    out_.is_monotone &= is_monotone(join);
+    out_.steps.push_back({TreeStep::Kind::join, 0, operands, is_subtracted, join, exponent_of(step, join), step.node, step.demand});
+  }
 
   /// What a dropped operand leaves in its place.
   bool is_nothing(uint32_t position) const {
@@ -117,7 +116,6 @@ private:
   /// All operands at once: it is not made of pairs. With the region it falls where the children that are not the largest
   /// are negative.
   bool emit_local_blend(const Instruction& step, size_t depth, bool is_subtracted) {
-    out_.is_monotone = false;
     const std::span<const uint32_t> all = operands(step);
     uint32_t count = 0;
     bool has_nothing = false;
@@ -126,7 +124,7 @@ private:
       if (!is_region && is_nothing(all[i]) && std::exchange(has_nothing, true)) continue; // one constant 0 stands for all
       if (!emit(all[i], depth + count++, is_subtracted)) return false;
     }
-    out_.steps.push_back({TreeStep::Kind::local_blend, 0, count, is_subtracted});
+    add_join(step, Join::local_blend, count, is_subtracted);
     return true;
   }
 
@@ -140,7 +138,7 @@ private:
     if (leaf_count > 0 || others.empty()) out_.steps.push_back({TreeStep::Kind::leaves, first, leaf_count, is_subtracted}), ++count;
     for (const uint32_t other : others) {
       if (!emit(other, depth + (count > 0), is_subtracted)) return false;
-      if (count++ > 0) out_.steps.push_back({TreeStep::Kind::sum, 0, 2, is_subtracted});
+      if (count++ > 0) add_join(code_.steps[position], Join::sum, 2, is_subtracted);
     }
     return true;
   }
@@ -155,7 +153,7 @@ private:
       break;
     case Instruction::Kind::combine: break;
     }
-    if (is_solid(step) || kind_of(step) != TreeStep::Kind::sum) {
+    if (is_solid(step) || join_of_step(step) != Join::sum) {
       others.push_back(position);
       return true;
     }
@@ -173,7 +171,7 @@ private:
     return true;
   }
 
-  /// Calls visit(kind, solid) for the skeleton of a step; false for a signed distance, which no tree has.
+  /// Calls visit(kind, solid) for the skeleton of a step; false for a signed distance.
   template <class Visit>
   bool visit_skeleton(const Instruction& step, Visit&& visit) const {
     return std::visit(
@@ -186,8 +184,8 @@ private:
 
   /// Whether a step is a skeleton that is no cone-sphere.
   bool is_solid(const Instruction& step) const {
-    if (step.kind != Instruction::Kind::skeleton) return false;
-    return visit_skeleton(step, [](const auto&, const auto& solid) { return !std::is_same_v<decltype(solid), const ConeSphereSolid&>; });
+    return step.kind == Instruction::Kind::skeleton &&
+           !visit_skeleton(step, [](const auto&, const auto& solid) { return std::is_same_v<decltype(solid), const ConeSphereSolid&>; });
   }
 
   bool add_cone_sphere(const Instruction& step, bool is_subtracted) {
@@ -209,21 +207,60 @@ private:
     const double half = 0.5 * double(cell_.diagonal()), infinity = std::numeric_limits<double>::infinity();
     const SolidPlace place{local_from_base(base.centre), local_from_base.linear,
                            base.slot == 0 ? half * stretch(local_from_base.linear) : infinity};
-    const bool is_known = visit_skeleton(step, [&](const auto& kind, const auto& solid) {
-      const FalloffPolynomial f = polynomial(kind.falloff);
-      const double weight = kind.weight;
-      leaf.k = static_cast<float>(1 / square(double(kind.radius)));
-      leaf.a = static_cast<float>(weight * f.a), leaf.b = static_cast<float>(weight * f.b), leaf.crest = crest(f.a, f.b);
-      return add_solid(step.node, solid, place, leaf);
-    });
+    const bool is_known = std::visit(
+        [&](const auto& kind) {
+          using K = std::decay_t<decltype(kind)>;
+          if constexpr (SolidSkeleton<K>) {
+            leaf.potential = bump(kind.weight, kind.falloff, kind.radius);
+            return add_solid(step.node, kind.solid(), place, leaf);
+          } else if constexpr (SignedDistance<K>) {
+            return add_distance(kind, place, leaf);
+          }
+          return false;
+        },
+        program_.field.nodes[step.node]);
     if (!is_known) return false;
-    leaf.sign = (leaf.a + leaf.b < 0) == is_subtracted ? 1.f : -1.f;
+    leaf.sign = leaf.potential.is_positive() != is_subtracted ? 1.f : -1.f;
     leaf.slot = base.slot, leaf.drift = static_cast<float>(base.turning * stretch(local_from_base.linear));
     leaf.bending = static_cast<float>(base.bending * stretch(local_from_base.linear));
     leaf.node = step.node, leaf.space = step.space;
     out_.steps.push_back({TreeStep::Kind::solid, static_cast<uint32_t>(out_.solids.size()), 1, is_subtracted});
     out_.solids.push_back(leaf);
     return true;
+  }
+
+  static SolidPotential bump(double weight, Falloff falloff, double radius) {
+    const FalloffPolynomial f = polynomial(falloff);
+    SolidPotential p;
+    p.a = static_cast<float>(weight * f.a), p.b = static_cast<float>(weight * f.b);
+    p.k = static_cast<float>(1 / square(radius)), p.crest = crest(f.a, f.b);
+    return p;
+  }
+
+  /// As field/distances/distance_field.h says. False for a distance to what is no section.
+  template <SignedDistance Kind>
+  bool add_distance(const Kind& kind, const SolidPlace& place, SolidLeaf& leaf) {
+    switch (kind.falloff) {
+    case DistanceFalloff::distance: {
+      const double weight = double(kind.weight) * program_.threshold;
+      const auto number = [](double x) { return static_cast<float>(x); };
+      leaf.potential = {SolidPotential::Form::ramp, number(weight), number(weight / kind.reach())};
+      leaf.potential.low = number(std::min(0.0, 2 * weight)), leaf.potential.high = number(std::max(0.0, 2 * weight));
+      break;
+    }
+    case DistanceFalloff::quartic: leaf.potential = bump(kind.weight, Falloff::quartic, kind.reach()); break;
+    case DistanceFalloff::cubic: leaf.potential = bump(kind.weight, Falloff::cubic, kind.reach()); break;
+    case DistanceFalloff::wyvill: leaf.potential = bump(kind.weight, Falloff::wyvill, kind.reach()); break;
+    }
+    leaf.is_signed = true;
+    if constexpr (requires { section_of(kind); }) {
+      add_parts(section_of(kind), place, out_, leaf);
+      return true;
+    } else if constexpr (std::is_same_v<Kind, SdfPlane<SampledMode>>) {
+      add_half_space({Vec3d(kind.point), Vec3d(kind.normal)}, place, out_, leaf);
+      return true;
+    }
+    return false;
   }
 
   template <class Solid>

@@ -30,6 +30,10 @@ struct V3 {
 
 inline V dot(const V3& a, const V3& b) { return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z))); }
 inline V set(float v) { return hn::Set(k_lanes, v); }
+inline V square_of_positive(V v) {
+  const V p = hn::Max(v, hn::Zero(k_lanes));
+  return hn::Mul(p, p);
+}
 inline bool none(M m) { return hn::AllFalse(k_lanes, m); }
 
 inline M no_lanes() { return hn::Lt(hn::Zero(k_lanes), hn::Zero(k_lanes)); }

@@ -38,11 +38,12 @@ public:
     case SolidLeaf::Form::arc: return to_arc(in_frame(part(), place));
     case SolidLeaf::Form::turned: {
       const V3 p = in_frame(part(), place);
-      return grown(length(to_section({across(p), p.z, hn::Zero(k_lanes)})));
+      return from_section({across(p), p.z, hn::Zero(k_lanes)}).distance;
     }
-    case SolidLeaf::Form::extruded: break;
+    case SolidLeaf::Form::extruded:
+    case SolidLeaf::Form::half_space: break;
     }
-    return grown(length(to_section(in_frame(part(), place))));
+    return from_section(in_frame(part(), place)).distance;
   }
 
   /// At a place with a velocity, and on the stretch h either way. To a convex solid the distance along a line is convex: it
@@ -50,19 +51,25 @@ public:
   SolidRange range(const V3& place, const V3& velocity, V h, bool wants_most) const {
     const V drift = drift_within(h);
     SolidRange r;
-    if (leaf_.form == SolidLeaf::Form::hull) {
+    switch (leaf_.form) {
+    case SolidLeaf::Form::hull: {
       V rate;
       r.distance = hull(place, &velocity, &rate);
       r.set_near(hn::NegMulAdd(drift, h, r.distance), hn::Mul(rate, h));
       if (wants_most) r.far = {distance(at_time(place, velocity, hn::Neg(h))), distance(at_time(place, velocity, h))};
-    } else if (leaf_.form == SolidLeaf::Form::extruded) {
-      const V3 p = in_frame(part(), place), v = rotated(part(), velocity), to = to_section(p);
-      const V d = length(to);
-      r.distance = grown(d);
-      r.set_near(hn::NegMulAdd(drift, h, r.distance), hn::Mul(divide(dot(to, v), d), h));
-      if (wants_most) r.far = {section_distance(at_time(p, v, hn::Neg(h))), section_distance(at_time(p, v, h))};
-    } else {
-      return turned_range(in_frame(part(), place), rotated(part(), velocity), h, wants_most);
+      break;
+    }
+    case SolidLeaf::Form::extruded:
+    case SolidLeaf::Form::half_space: {
+      const V3 p = in_frame(part(), place), v = rotated(part(), velocity);
+      const FromSection from = from_section(p);
+      r.distance = from.distance;
+      r.set_near(hn::NegMulAdd(drift, h, r.distance), hn::Mul(from.rate(v), h));
+      if (wants_most) r.far = {from_section(at_time(p, v, hn::Neg(h))).distance, from_section(at_time(p, v, h)).distance};
+      break;
+    }
+    case SolidLeaf::Form::turned:
+    case SolidLeaf::Form::arc: return turned_range(in_frame(part(), place), rotated(part(), velocity), h, wants_most);
     }
     if (wants_most) r.far = r.far + hn::Mul(drift, h);
     return r;
@@ -78,11 +85,9 @@ public:
     }
     const bool is_turned = leaf_.form == SolidLeaf::Form::turned;
     const V radius = across(p);
-    const V3 to = to_section(is_turned ? V3{radius, p.z, hn::Zero(k_lanes)} : p);
-    const V3 in_section = is_turned ? V3{outward(p, v, radius), v.z, hn::Zero(k_lanes)} : v;
-    const V d = length(to);
-    rate = divide(dot(to, in_section), d);
-    return grown(d);
+    const FromSection from = from_section(is_turned ? V3{radius, p.z, hn::Zero(k_lanes)} : p);
+    rate = from.rate(is_turned ? V3{outward(p, v, radius), v.z, hn::Zero(k_lanes)} : v);
+    return from.distance;
   }
 
 private:
@@ -101,8 +106,46 @@ private:
   static V across(const V3& p) { return hn::Sqrt(hn::MulAdd(p.x, p.x, hn::Mul(p.y, p.y))); }
   static V outward(const V3& p, const V3& v, V radius) { return divide(hn::MulAdd(p.x, v.x, hn::Mul(p.y, v.y)), radius); }
 
-  V3 to_section(const V3& p) const { return from_nearest(part(), p, leaf_.form == SolidLeaf::Form::extruded); }
-  V section_distance(const V3& p) const { return grown(length(to_section(p))); }
+  /// A place seen from the section, or from what is extruded: its distance, and the direction in which that grows, times `length`.
+  struct FromSection {
+    V distance;
+    V3 direction;
+    V length;
+
+    V rate(const V3& v) const { return divide(dot(direction, v), length); }
+  };
+  FromSection from_section(const V3& p) const {
+    const V zero = hn::Zero(k_lanes), one = set(1);
+    if (leaf_.form == SolidLeaf::Form::half_space) return {p.z, {zero, zero, one}, one};
+    FromSection from;
+    from.direction = from_nearest(part(), p, leaf_.form == SolidLeaf::Form::extruded);
+    from.length = length(from.direction);
+    V distance = from.length;
+    if (leaf_.is_signed) go_inside(p, distance, from);
+    from.distance = grown(distance);
+    return from;
+  }
+  /// Inside a rectangle the distance is the largest of those to the lines (or planes) of its sides, all of which are below 0 there. On a
+  /// side it is 0 from both, but only the side knows the direction.
+  void go_inside(const V3& p, V& distance, FromSection& from) const {
+    const V zero = hn::Zero(k_lanes);
+    V deepest = set(-std::numeric_limits<float>::infinity());
+    V3 outward{zero, zero, zero};
+    const auto meet = [&](V x, float low, float high, V V3::*axis) {
+      const V below = hn::Sub(set(low), x), above = hn::Sub(x, set(high)), side = hn::Max(below, above);
+      const M is_nearest = hn::Gt(side, deepest);
+      deepest = hn::Max(side, deepest);
+      outward = {hn::IfThenZeroElse(is_nearest, outward.x), hn::IfThenZeroElse(is_nearest, outward.y),
+                 hn::IfThenZeroElse(is_nearest, outward.z)};
+      outward.*axis = hn::IfThenElse(is_nearest, hn::IfThenElse(hn::Gt(below, above), set(-1), set(1)), outward.*axis);
+    };
+    meet(p.x, part().x_low, part().x_high, &V3::x), meet(p.y, part().y_low, part().y_high, &V3::y);
+    if (leaf_.form == SolidLeaf::Form::extruded) meet(p.z, part().z_low, part().z_high, &V3::z);
+    const M is_inside = hn::Le(deepest, zero);
+    distance = hn::IfThenElse(is_inside, deepest, distance), from.length = hn::IfThenElse(is_inside, set(1), from.length);
+    const auto choose = [&](V inside, V outside) { return hn::IfThenElse(is_inside, inside, outside); };
+    from.direction = {choose(outward.x, from.direction.x), choose(outward.y, from.direction.y), choose(outward.z, from.direction.z)};
+  }
 
   /// From the nearest point of a part to p.
   V3 from_nearest(const SolidPart& part, const V3& p, bool has_height) const {
@@ -161,7 +204,7 @@ private:
   }
   V to_arc(const V3& p) const {
     const V y = hn::Abs(p.y);
-    const V to_circle = length(to_section({across(p), p.z, hn::Zero(k_lanes)}));
+    const V to_circle = from_section({across(p), p.z, hn::Zero(k_lanes)}).distance;
     const V to_end = length({hn::Sub(p.x, set(leaf_.end_x)), hn::Sub(y, set(leaf_.end_y)), p.z});
     return hn::IfThenElse(is_past_end(p, y), to_end, to_circle);
   }
@@ -170,14 +213,15 @@ private:
   /// its tangent, by a distance that grows to both sides. Where the solid is convex that is never nearer.
   SolidRange turned_range(const V3& p, const V3& v, V h, bool wants_most) const {
     const V zero = hn::Zero(k_lanes), drift = drift_within(h), radius = across(p);
-    const V3 flat{radius, p.z, zero}, flat_v{outward(p, v, radius), v.z, zero}, to = to_section(flat);
-    const V d = length(to), back = hn::Neg(h);
+    const V3 flat{radius, p.z, zero}, flat_v{outward(p, v, radius), v.z, zero};
+    const FromSection from = from_section(flat);
+    const V back = hn::Neg(h);
     const auto parts_by = [&](V t) { return hn::Sub(across(at_time(p, v, t)), hn::MulAdd(flat_v.x, t, radius)); };
     V bulge = zero;
     if (wants_most || !leaf_.is_convex) bulge = hn::MulAdd(radius, set(1e-6f), hn::Max(hn::Max(parts_by(h), parts_by(back)), zero));
     SolidRange r;
-    r.distance = grown(d);
-    V middle = hn::NegMulAdd(drift, h, r.distance), rise = hn::Mul(divide(dot(to, flat_v), d), h);
+    r.distance = from.distance;
+    V middle = hn::NegMulAdd(drift, h, r.distance), rise = hn::Mul(from.rate(flat_v), h);
     if (!leaf_.is_convex) {
       const V farthest = hn::Mul(hn::Add(length(v), drift), h);
       if (leaf_.form == SolidLeaf::Form::arc) r.distance = to_arc(p); // it is part of the circle: not nearer than that
@@ -195,7 +239,8 @@ private:
       }
     }
     if (wants_most) {
-      r.far = Line{section_distance(at_time(flat, flat_v, back)), section_distance(at_time(flat, flat_v, h))} + hn::MulAdd(drift, h, bulge);
+      r.far = Line{from_section(at_time(flat, flat_v, back)).distance, from_section(at_time(flat, flat_v, h)).distance} +
+              hn::MulAdd(drift, h, bulge);
     }
     return r;
   }
@@ -204,16 +249,20 @@ private:
   const SolidLeaf& leaf_;
 };
 
-/// q^2 (a + b q), q = max(0, 1 - k d^2).
+inline Bump bump_of(const SolidPotential& p) { return {set(p.k), set(p.a), set(p.b), set(p.crest)}; }
+inline Ramp ramp_of(const SolidPotential& p) { return {set(p.a), set(p.b), set(p.low), set(p.high)}; }
+
 inline V solid_potential(const SolidLeaf& leaf, V distance) {
-  const V q = hn::Max(hn::NegMulAdd(set(leaf.k), square_of_positive(distance), set(1)), hn::Zero(k_lanes));
-  return hn::Mul(hn::Mul(q, q), hn::MulAdd(set(leaf.b), q, set(leaf.a)));
+  const SolidPotential& p = leaf.potential;
+  if (p.form == SolidPotential::Form::ramp) return ramp_of(p).at(distance);
+  const Bump bump = bump_of(p);
+  return bump.at(bump.closeness(distance));
 }
 
 /// As Range's add_leaf, but for one solid.
 inline Range solid_range(const Solids& solids, const SolidLeaf& leaf, bool wants_low, bool wants_high, const V3& place, const V3& velocity,
                          V h) {
-  const bool is_positive = leaf.a + leaf.b > 0;
+  const bool is_positive = leaf.potential.is_positive();
   const bool wants_nearest = is_positive ? wants_high : wants_low, wants_farthest = is_positive ? wants_low : wants_high;
   const SolidRange d = SolidView(solids, leaf).range(place, velocity, h, wants_farthest);
   Range r{solid_potential(leaf, d.distance), hn::Zero(k_lanes), hn::Zero(k_lanes)};
@@ -224,12 +273,16 @@ inline Range solid_range(const Solids& solids, const SolidLeaf& leaf, bool wants
 
 /// As Slope's add_leaf, but for one solid.
 inline Slope solid_slope(const Solids& solids, const SolidLeaf& leaf, bool wants_low, const V3& place, const V3& velocity, V h) {
-  const bool is_positive = leaf.a + leaf.b > 0;
+  const SolidPotential& potential = leaf.potential;
+  const bool is_positive = potential.is_positive();
   const SolidRange d = SolidView(solids, leaf).range(place, velocity, h, wants_low || !is_positive);
   const V zero = hn::Zero(k_lanes);
   Slope s{solid_potential(leaf, d.distance), {zero, zero}, {zero, zero}};
   const auto far = [&] { return d.far; };
-  add_lines({set(leaf.k), set(leaf.a), set(leaf.b), set(leaf.crest)}, is_positive, wants_low, d.near, far, s);
+  if (potential.form == SolidPotential::Form::ramp)
+    add_lines(ramp_of(potential), is_positive, wants_low, d.near, far, s);
+  else
+    add_lines(bump_of(potential), is_positive, wants_low, d.near, far, s);
   return s;
 }
 

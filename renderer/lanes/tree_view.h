@@ -14,30 +14,46 @@ namespace kelpie {
 /// Lists of leaves are padded to whole groups of this many, so that any vector width reads them whole.
 inline constexpr uint32_t k_leaf_group = 16;
 
-/// One step of a tree in post-order: pushes the sum of some leaves or a solid, or joins what was pushed last. The
-/// R-functions are those below a sum, in their localised form (field/operators/r_functions.h).
+/// What an operator makes of its operands. The R-functions are those below a sum, in their localised form
+/// (field/operators/r_functions.h).
+enum class Join : uint32_t {
+  sum,
+  maximum,
+  minimum,
+  difference,
+  r_union,
+  r_intersection,
+  r_difference,
+  hyper_blend,
+  local_blend, ///< the last operand is the region
+};
+/// Whether it falls with all operands but the first.
+constexpr bool subtracts(Join j) { return j == Join::difference || j == Join::r_difference; }
+constexpr bool is_r_function(Join j) { return j == Join::r_union || j == Join::r_intersection || j == Join::r_difference; }
+/// Whether it makes nothing below 0.
+constexpr bool is_clamped(Join j) { return subtracts(j) || is_r_function(j) || j == Join::hyper_blend; }
+/// Whether it rises with each operand, or falls with each that it subtracts.
+constexpr bool is_monotone(Join j) { return j != Join::r_union && j != Join::local_blend; }
+/// Whether its slope may change sharply, but not at once, where operands are equal.
+constexpr bool bends(Join j) { return is_r_function(j) || j == Join::hyper_blend || j == Join::local_blend; }
+
+/// One step of a tree in post-order: pushes the sum of some leaves or a solid, or joins what was pushed last.
 struct TreeStep {
   enum class Kind : uint32_t {
     leaves, ///< cone-spheres
     solid,
-    sum,
-    maximum,
-    minimum,
-    difference,
-    r_union,
-    r_intersection,
-    r_difference,
-    hyper_blend,
-    local_blend, ///< the last operand is the region
+    join,
   };
   Kind kind = Kind::leaves;
   uint32_t first = 0; ///< of `leaves`: the first one; of `solid`: which
   uint32_t count = 0; ///< leaves, or operands: 2, any number of `local_blend`
   /// The field falls where this rises: it stands below an odd number of subtractions.
   bool is_subtracted = false;
-  float exponent = 1; ///< of `hyper_blend`
-
-  bool is_join() const { return kind != Kind::leaves && kind != Kind::solid; }
+  // Of a join:
+  Join join = Join::sum;
+  float exponent = 1;            ///< of `hyper_blend`
+  uint32_t node = 0;             ///< its operator in the program…
+  Demand demand = Demand::value; ///< …and what the whole tree asks of that
 };
 
 /// A space of the program that is warped in the world: there a ray is a curve.
@@ -96,19 +112,34 @@ struct SolidPart {
   uint32_t first_edge = 0, edge_count = 0; ///< into Solids::edges
 };
 
-/// A skeleton that is no cone-sphere. Its potential is q^2 (a + b q), as that of the others.
+/// What a solid's potential is at a distance d from it.
+struct SolidPotential {
+  enum class Form : uint32_t {
+    bump, ///< q^2 (a + b q) with q = max(0, 1 - k d^2), as that of cone-spheres
+    ramp, ///< a - b d, but at least `low` and at most `high`, which may be infinite: of signed distances
+  };
+  Form form = Form::bump;
+  float a = 0, b = 0;
+  float k = 0, crest = 1;                                                     ///< of a bump; crest: as leaf_crest
+  float low = 0, high = 0;                                                    ///< of a ramp
+  bool is_positive() const { return form == Form::bump ? a + b > 0 : b > 0; } ///< whether it rises with nearness
+};
+
+/// A skeleton that is no cone-sphere.
 struct SolidLeaf {
   enum class Form : uint32_t {
-    extruded, ///< the part as it is
-    turned,   ///< the part, where x is the distance from the axis of its frame and y the height along it
-    arc,      ///< the same of a point, that is a circle, between two ends
-    hull,     ///< the parts are its faces, those that the cell can see: z is outward
+    extruded,   ///< the part as it is
+    turned,     ///< the part, where x is the distance from the axis of its frame and y the height along it
+    arc,        ///< the same of a point, that is a circle, between two ends
+    hull,       ///< the parts are its faces, those that the cell can see: z is outward
+    half_space, ///< all below z = 0 in the part's frame, by its signed distance
   };
   Form form;
   bool is_convex;
+  bool is_signed;                  ///< inside a rectangle, extruded or turned, the distance is below 0, not 0
   uint32_t first_part, part_count; ///< into Solids::parts
   float growth;                    ///< the solid is all that is nearer than this
-  float k, a, b, crest;
+  SolidPotential potential;
   float sign, drift, bending;               ///< as leaf_sign, leaf_drift, leaf_bending
   uint32_t slot;                            ///< as leaf_space
   float end_x, end_y;                       ///< of an arc: its end, on the side y >= 0 of the frame
@@ -129,7 +160,7 @@ struct TreeView {
   std::span<const TreeSpace> spaces;
   const float* leaves;
   size_t leaf_count; ///< with padding: leaves that are 0 everywhere
-  bool is_monotone;  ///< no R-union and no local blend: steps rise, or fall, with each operand
+  bool is_monotone;  ///< all its joins are
   Solids solids;
   const LaneAxis* axes; ///< of its warps
 

@@ -106,8 +106,10 @@ uint32_t solve_blobs_lanes(const ShapeCells&, const Cell&, const RayLanes&, Solv
 Vec3 blobs_gradient(const ShapeCells&, const Cell&, const Vec3& p, float time);
 /// Any cell, by `solve`.
 uint32_t solve_one_by_one(const ShapeCells&, const Cell&, const RayLanes&, SolveCounters&, float* t);
-/// Trees of cone-spheres; SIMD, dispatched at run time.
+/// Trees of skeletons; SIMD, dispatched at run time.
 bool solve_tree(const ShapeCells&, const Cell&, const RaySegment&, SolverWork&, float& t);
+/// The same for a tree that the cell does not keep, and its program.
+bool solve_given_tree(const FieldProgram&, const TreeView&, const Cell&, const RaySegment&, SolverWork&, float& t);
 /// One that moves: as it is at the ray's time, or as code, where it is then no tree.
 bool solve_moving_tree(const ShapeCells&, const Cell&, const RaySegment&, SolverWork&, float& t);
 uint32_t solve_tree_lanes(const ShapeCells&, const Cell&, const RayLanes&, SolveCounters&, float* t);

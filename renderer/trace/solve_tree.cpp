@@ -1,4 +1,4 @@
-// The solver for trees. Along a ray the distance to a convex solid is convex, so its tangent at
+// The solver for trees, for single rays. Along a ray the distance to a convex solid is convex, so its tangent at
 // the middle of a stretch bounds it from below over the stretch, and the larger of its ends from above (solids that
 // are not convex: solid_leaf-inl.h). With these every leaf, and by the operators (each monotone in each operand) the field, has a bound
 // over a stretch that misses the field by the square of the stretch's length. 16 stretches are bounded at once in SIMD lanes. A stretch
@@ -12,16 +12,16 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include <array>
 #include <cmath>
 
 #include "renderer/lanes/solid_leaf-inl.h"
+#include "renderer/lanes/tree_joins-inl.h"
 #include "renderer/lanes/tree_leaf-inl.h"
 #include "renderer/lanes/warp_lanes-inl.h"
 #include "renderer/lanes/warped_ray.h"
-#include "renderer/program/motion.h"
 #include "renderer/trace/bracketed_root.h"
 #include "renderer/trace/solve.h"
+#include "renderer/trace/tree_values.h"
 
 #ifndef KELPIE_SOLVE_TREE_ONCE
 #define KELPIE_SOLVE_TREE_ONCE
@@ -49,78 +49,6 @@ inline constexpr size_t k_stretches = 16;
 /// Each level is 16 times finer: finer than any float at the last.
 inline constexpr int k_most_levels = 7;
 
-/// A field and its gradient.
-template <class Gradient>
-struct FieldValue {
-  double f = 0;
-  Gradient g{};
-};
-
-/// In place of a gradient where only the value is asked for.
-struct NoGradient {
-  friend NoGradient operator+(NoGradient, NoGradient) { return {}; }
-  friend NoGradient operator-(NoGradient, NoGradient) { return {}; }
-  friend NoGradient operator-(NoGradient) { return {}; }
-  friend NoGradient operator*(double, NoGradient) { return {}; }
-};
-
-/// By the skeleton's own formula.
-inline FieldValue<Vec3d> solid_field(const FieldProgram& program, const SolidLeaf& leaf, const Vec3& place) {
-  using D = Dual<double, 3>;
-  thread_local SpacePoints<D> points;
-  points.begin(program);
-  const Point3<D> p = points.at(program, leaf.space, {D::variable(place.x, 0), D::variable(place.y, 1), D::variable(place.z, 2)});
-  return std::visit(
-      [&](const auto& kind) -> FieldValue<Vec3d> {
-        if constexpr (SolidSkeleton<std::decay_t<decltype(kind)>>) {
-          const D f = potential(kind, p);
-          return {f.value, {f.d[0], f.d[1], f.d[2]}};
-        }
-        return {};
-      },
-      program.field.nodes[leaf.node]);
-}
-
-/// The operands at(0), at(1), … joined. What is subtracted is given as it is.
-template <class Gradient, class At>
-FieldValue<Gradient> join_fields(const TreeStep& step, double threshold, const At& at) {
-  using Kind = TreeStep::Kind;
-  using Value = FieldValue<Gradient>;
-  const Value a = at(0), b = at(1), rest{2 * threshold - b.f, -b.g};
-  const auto smaller = [](const Value& x, const Value& y) { return x.f < y.f ? x : y; };
-  const auto larger = [](const Value& x, const Value& y) { return x.f > y.f ? x : y; };
-  const auto above_0 = [](const Value& x) { return x.f > 0 ? x : Value{}; };
-  const auto r_function = [&]<class Function>(Function, const Value& x, const Value& y) {
-    const Value p = above_0(x), q = above_0(y);
-    const double s = p.f / threshold, t = q.f / threshold;
-    return Value{threshold * Function::join(s, t), Function::slope(s, t) * p.g + Function::slope(t, s) * q.g};
-  };
-  switch (step.kind) {
-  case Kind::maximum: return larger(a, b);
-  case Kind::minimum: return smaller(a, b);
-  case Kind::difference: return above_0(smaller(a, rest));
-  case Kind::r_union: return r_function(r_function::Unite{}, a, b);
-  case Kind::r_intersection: return r_function(r_function::Intersect{}, a, b);
-  case Kind::r_difference: return r_function(r_function::Intersect{}, a, rest);
-  case Kind::hyper_blend: {
-    const Value x = above_0(larger(a, b)), y = above_0(smaller(a, b));
-    if (y.f == 0) return x;
-    const double n = step.exponent, factor = std::pow(1 + std::pow(y.f / x.f, n), 1 / n);
-    return {x.f * factor, std::pow(factor, 1 - n) * (x.g + std::pow(y.f / x.f, n - 1) * y.g)};
-  }
-  case Kind::local_blend: {
-    Value most = a, sum = a;
-    for (uint32_t i = 1; i + 1 < step.count; ++i) most = larger(most, at(i)), sum = {sum.f + at(i).f, sum.g + at(i).g};
-    const Value region = at(step.count - 1);
-    const bool is_between = region.f > 0 && region.f < 1;
-    const double in_region = std::min(std::max(region.f, 0.0), 1.0);
-    return {most.f + in_region * (sum.f - most.f),
-            most.g + in_region * (sum.g - most.g) + (is_between ? (sum.f - most.f) * region.g : Gradient{})};
-  }
-  default: return {a.f + b.f, a.g + b.g};
-  }
-}
-
 } // namespace kelpie
 #endif
 
@@ -141,8 +69,8 @@ struct Ranges {
 class TreeSolver {
 public:
   TreeSolver(const FieldProgram& program, const TreeView& tree, const Cell& cell, const RaySegment& ray, SolverWork& work, TreeRay& scratch)
-      : tree_(tree), curves_(program, tree.spaces), threshold_(static_cast<float>(program.threshold)), sign_(ray.from_inside ? -1.f : 1.f),
-        negligible_(1e-5f * threshold_),
+      : program_(program), tree_(tree), curves_(program, tree.spaces), threshold_(static_cast<float>(program.threshold)),
+        sign_(ray.from_inside ? -1.f : 1.f), negligible_(1e-5f * threshold_),
         // Below this width a stretch of ray is a point: far below the offset of secondary rays.
         width_(std::max(1e-4f * cell.epsilon, 2e-7f * std::abs(ray.t1))), segment_(ray), middle_(0.5f * (ray.t0 + ray.t1)),
         place_(Vec3d(ray.origin) + double(middle_) * Vec3d(ray.direction) - Vec3d(cell.centre)), work_(work), ray_(scratch) {}
@@ -196,24 +124,19 @@ private:
   /// Bounds of the field on the segment: by now each leaf's value is what it is at most, at least it is 0.
   Range bounds_of_segment() const {
     const V zero = hn::Zero(k_lanes);
-    Range stack[k_tree_depth + 1];
-    stack[0] = {zero, zero, zero};
-    size_t depth = 0;
-    for (const TreeStep& step : tree_.steps) {
-      if (step.is_join()) {
-        depth -= step.count - 1;
-        stack[depth - 1] = join_ranges(step, threshold_, [&](uint32_t i) -> const Range& { return stack[depth - 1 + i]; });
-        continue;
-      }
+    const auto add_step = [&](const TreeStep& step, Range& out) {
       float low = 0, high = 0;
       const auto add = [&](float peak) { low += std::min(peak, 0.f), high += std::max(peak, 0.f); };
       if (step.kind == TreeStep::Kind::solid)
         add(ray_.solid_value[step.first]);
       else
         for (uint32_t i = step.first; i < step.first + step.count; ++i) add(ray_.value[i]);
-      stack[depth++] = {zero, set(low), set(high)};
-    }
-    return stack[0];
+      out = {zero, set(low), set(high)};
+    };
+    const auto join = [&](const TreeStep& step, Range* operands) {
+      operands[0] = join_ranges(step, threshold_, [&](uint32_t i) -> const Range& { return operands[i]; });
+    };
+    return fold_tree<Range>(tree_.steps, add_step, join);
   }
 
   bool wants_high(const TreeStep& step) const { return !tree_.is_monotone || step.is_subtracted == (sign_ < 0); }
@@ -261,25 +184,16 @@ private:
 
   /// The field by the latest values of the leaves.
   double join_all() const {
-    double stack[k_tree_depth + 1];
-    size_t depth = 0;
-    for (const TreeStep& step : tree_.steps) {
-      if (step.is_join()) {
-        depth -= step.count - 1;
-        stack[depth - 1] = join_fields<NoGradient>(step, threshold_, [&](uint32_t i) {
-                             return FieldValue<NoGradient>{stack[depth - 1 + i], {}};
-                           }).f;
-        continue;
-      }
-      double sum = 0;
+    const auto add_step = [&](const TreeStep& step, double& sum) {
+      sum = 0;
       if (step.kind == TreeStep::Kind::solid)
         sum = double(ray_.solid_value[step.first]);
       else
         for (uint32_t i = step.first; i < step.first + step.count; ++i)
           if (ray_.is_active[i]) sum += double(ray_.value[i]);
-      stack[depth++] = sum;
-    }
-    return stack[0];
+    };
+    const auto join = [&](const TreeStep& step, double* operands) { operands[0] = combine(program_, step, operands); };
+    return fold_tree<double>(tree_.steps, add_step, join);
   }
 
   /// Leaves i, i + 1, … as seen from s; find_places() was asked for s, if there are warps.
@@ -311,10 +225,11 @@ private:
   }
 
   /// Whether leaves, at distances that change at these rates, have come nearer for a length and make the field rise, or have
-  /// not reached.
-  static bool only_approach(V distance, V rate, V sign, V k, V length) {
+  /// not reached: potential(distance) says what they are.
+  template <class Potential>
+  static bool only_approach(V distance, V rate, V sign, V length, const Potential& potential) {
     const V zero = hn::Zero(k_lanes), nearest = hn::NegMulAdd(hn::Max(rate, zero), length, distance);
-    const auto reaches = hn::Lt(hn::Mul(square_of_positive(nearest), k), set(1));
+    const auto reaches = hn::Ne(potential(nearest), zero);
     const auto approaches = hn::And(hn::Gt(sign, zero), hn::Le(rate, zero));
     return hn::AllFalse(k_lanes, hn::AndNot(approaches, reaches));
   }
@@ -329,7 +244,7 @@ private:
       const Offset offset = offset_of_leaves(leaf, i, to);
       const V rate = offset.rate(load(ray_.x1, ray_.y1, ray_.z1, i));
       const V sign = hn::LoadU(k_lanes, tree_.leaves + leaf_sign * tree_.leaf_count + i);
-      if (!only_approach(offset.distance(), rate, sign, leaf.k, length)) return false;
+      if (!only_approach(offset.distance(), rate, sign, length, [&](V d) { return leaf.potential(square_of_positive(d)); })) return false;
     }
     for (size_t i = 0; i < tree_.solids.leaves.size(); ++i) {
       if (!ray_.is_solid_active[i]) continue;
@@ -337,7 +252,7 @@ private:
       const WarpedRay::Place at = place_in_base(leaf.slot, to);
       V rate;
       const V distance = SolidView(tree_.solids, leaf).distance(lanes_of(at.at), lanes_of(at.velocity), rate);
-      if (!only_approach(distance, rate, set(leaf.sign), set(leaf.k), length)) return false;
+      if (!only_approach(distance, rate, set(leaf.sign), length, [&](V d) { return solid_potential(leaf, d); })) return false;
     }
     return true;
   }
@@ -345,26 +260,22 @@ private:
   /// g in the middle of 16 stretches, and what it is at most within.
   void sample(const Row& places, const Row& halves, float* g, float* most) const {
     work_.evaluations += k_stretches;
-    Ranges stack[k_tree_depth + 1];
     Curve curves[k_vectors][k_tree_spaces];
     for (size_t j = 0; j < k_vectors && curves_.count() > 0; ++j) find_curves(places.v[j], k_width, curves[j]);
-    size_t depth = 0;
-    for (const TreeStep& step : tree_.steps) {
-      if (step.kind == TreeStep::Kind::leaves) {
-        add_leaves(step, places, halves, curves, stack[depth++]);
-        continue;
-      }
-      if (step.kind == TreeStep::Kind::solid) {
-        find_solid(step, places, halves, curves, stack[depth++]);
-        continue;
-      }
-      depth -= step.count - 1;
+    const auto add_step = [&](const TreeStep& step, Ranges& out) {
+      if (step.kind == TreeStep::Kind::solid)
+        find_solid(step, places, halves, curves, out);
+      else
+        add_leaves(step, places, halves, curves, out);
+    };
+    const auto join = [&](const TreeStep& step, Ranges* operands) {
       for (size_t j = 0; j < k_vectors; ++j)
-        stack[depth - 1].v[j] = join_ranges(step, threshold_, [&](uint32_t i) -> const Range& { return stack[depth - 1 + i].v[j]; });
-    }
+        operands[0].v[j] = join_ranges(step, threshold_, [&](uint32_t i) -> const Range& { return operands[i].v[j]; });
+    };
+    const Ranges field = fold_tree<Ranges>(tree_.steps, add_step, join);
     const V t = set(threshold_), sign = set(sign_);
     for (size_t j = 0; j < k_vectors; ++j) {
-      const Range& f = stack[0].v[j];
+      const Range& f = field.v[j];
       hn::Store(hn::Mul(sign, hn::Sub(f.value, t)), k_lanes, g + j * k_width);
       hn::Store(hn::Mul(sign, hn::Sub(sign_ > 0 ? f.high : f.low, t)), k_lanes, most + j * k_width);
     }
@@ -471,6 +382,7 @@ private:
     return bracketed_root([&](float s) { return at(s); }, a, ga, b, gb, 1e-6f * threshold_);
   }
 
+  const FieldProgram& program_;
   TreeView tree_;
   WarpedRay curves_;
   float threshold_, sign_, negligible_, width_;
@@ -486,132 +398,6 @@ bool SolveTree(const FieldProgram& program, const TreeView& tree, const Cell& ce
   return TreeSolver(program, tree, cell, ray, work, scratch).run(t);
 }
 
-/// Where a point is in the spaces of a tree, from their centres, and how gradients get from there to the world.
-class SpaceGradients {
-public:
-  SpaceGradients(const ShapeCells& shape, const TreeView& tree, const Cell& cell, const Vec3& place) : world_(place - cell.centre) {
-    if (tree.spaces.empty()) return;
-    const WarpedRay curves(shape.program, tree.spaces);
-    count_ = tree.spaces.size();
-    // The curves of the lines along x, y and z, as many at a time as there are lanes.
-    for (size_t first = 0; first < 3; first += k_width) {
-      const size_t axes = std::min<size_t>(k_width, 3 - first);
-      const auto by_points = [&](size_t i) {
-        CurveRows rows;
-        for (size_t j = 0; j < axes; ++j) rows.set_lane(j, curves.find(place, unit(first + j), 0, i));
-        return rows.curve();
-      };
-      CurveRows lines;
-      for (size_t j = 0; j < k_width; ++j) lines.set_lane(j, WarpedRay::Place{world_, unit(first + j)});
-      Curve found[k_tree_spaces];
-      find_curves(tree, lines.curve(), axes, by_points, found);
-      for (size_t i = 0; i < count_; ++i) {
-        const V3 &at = found[i].place, &by = found[i].velocity;
-        warped_[i].place = Vec3(hn::GetLane(at.x), hn::GetLane(at.y), hn::GetLane(at.z));
-        alignas(64) float rates[3][k_width];
-        hn::Store(by.x, k_lanes, rates[0]), hn::Store(by.y, k_lanes, rates[1]), hn::Store(by.z, k_lanes, rates[2]);
-        for (int c = 0; c < 3; ++c)
-          for (size_t j = 0; j < axes; ++j) warped_[i].gradients[c][static_cast<int>(first + j)] = rates[c][j];
-      }
-    }
-  }
-
-  /// In the spaces of leaves, by their numbers `leaf_space`.
-  V3 places(V slots) const {
-    V3 p{set(world_.x), set(world_.y), set(world_.z)};
-    for_each_space(slots, [&](M is_here, const Warped& w) { p = choose(is_here, vector(w.place), p); });
-    return p;
-  }
-  V3 in_world(V slots, const V3& g) const {
-    V3 all = g;
-    for_each_space(slots, [&](M is_here, const Warped& w) {
-      const V3 x = vector(w.gradients[0]), y = vector(w.gradients[1]), z = vector(w.gradients[2]);
-      const auto along = [&](V a, V b, V c) { return hn::MulAdd(g.x, a, hn::MulAdd(g.y, b, hn::Mul(g.z, c))); };
-      all = choose(is_here, {along(x.x, y.x, z.x), along(x.y, y.y, z.y), along(x.z, y.z, z.z)}, all);
-    });
-    return all;
-  }
-
-private:
-  struct Warped {
-    Vec3 place, gradients[3]; ///< of its coordinates
-  };
-  static Vec3 unit(size_t axis) { return Vec3(axis == 0, axis == 1, axis == 2); }
-  static V3 vector(const Vec3& v) { return {set(v.x), set(v.y), set(v.z)}; }
-  static V3 choose(M first, const V3& a, const V3& b) {
-    return {hn::IfThenElse(first, a.x, b.x), hn::IfThenElse(first, a.y, b.y), hn::IfThenElse(first, a.z, b.z)};
-  }
-  template <class Visit>
-  void for_each_space(V slots, const Visit& visit) const {
-    for (size_t i = 0; i < count_; ++i) visit(hn::Eq(slots, set(static_cast<float>(i + 1))), warped_[i]);
-  }
-
-  Vec3 world_;
-  Warped warped_[k_tree_spaces];
-  size_t count_ = 0;
-};
-
-/// Values and gradients of the leaves, a leaf a lane, then the operators.
-Vec3 TreeGradient(const ShapeCells& shape, const Cell& cell, const Vec3& place) {
-  thread_local std::array<std::vector<float>, 4> leaves; // value, gradient
-  const TreeView tree = shape.tree(cell);
-  const size_t n = tree.leaf_count;
-  for (auto& list : leaves)
-    if (list.size() < n) list.resize(n);
-  const SpaceGradients spaces(shape, tree, cell, place);
-  for (size_t i = 0; i < n; i += k_width) {
-    const auto row = [&](uint32_t r) { return hn::LoadU(k_lanes, tree.leaves + r * n + i); };
-    const V slots = row(leaf_space);
-    const Leaf leaf = Leaf::each(tree, i);
-    const Offset offset(leaf, place_in_frame(row, spaces.places(slots)));
-    const V d = hn::Max(offset.distance(), hn::Zero(k_lanes));
-    const V q = hn::Max(hn::NegMulAdd(leaf.k, hn::Mul(d, d), set(1)), hn::Zero(k_lanes));
-    // d/dd of q^2 (a + b q) is -2 k d q (2 a + 3 b q).
-    const V slope =
-        hn::Mul(hn::Mul(hn::Mul(leaf.k, d), hn::Mul(q, set(-2))), hn::MulAdd(hn::Mul(set(3), leaf.b), q, hn::Add(leaf.a, leaf.a)));
-    const V factor = hn::Div(slope, hn::Max(offset.length, set(1e-30f)));
-    const auto component = [&](uint32_t c) {
-      return hn::Mul(factor,
-                     hn::MulAdd(row(leaf_xx + c), offset.x, hn::MulAdd(row(leaf_yx + c), offset.y, hn::Mul(row(leaf_zx + c), offset.z))));
-    };
-    const V3 g = spaces.in_world(slots, {component(0), component(1), component(2)});
-    hn::StoreU(leaf.potential(hn::Mul(d, d)), k_lanes, &leaves[0][i]);
-    hn::StoreU(g.x, k_lanes, &leaves[1][i]), hn::StoreU(g.y, k_lanes, &leaves[2][i]), hn::StoreU(g.z, k_lanes, &leaves[3][i]);
-  }
-
-  // The stack holds numbers of values: most steps choose one of two, and need not copy it.
-  thread_local std::vector<FieldValue<Vec3d>> values; // of each step
-  if (values.size() < tree.steps.size()) values.resize(tree.steps.size());
-  std::array<uint32_t, k_tree_depth + 1> stack;
-  stack[0] = 0;
-  size_t depth = 0;
-  for (uint32_t number = 0; number < tree.steps.size(); ++number) {
-    const TreeStep& step = tree.steps[number];
-    if (step.is_join()) {
-      depth -= step.count - 1;
-      uint32_t* operands = &stack[depth - 1];
-      const auto at = [&](uint32_t i) -> const FieldValue<Vec3d>& { return values[operands[i]]; };
-      const bool chooses = step.kind == TreeStep::Kind::maximum || step.kind == TreeStep::Kind::minimum;
-      if (chooses && (at(0).f > at(1).f) == (step.kind == TreeStep::Kind::maximum)) continue;
-      if (!chooses) values[number] = join_fields<Vec3d>(step, shape.program.threshold, at);
-      operands[0] = chooses ? operands[1] : number;
-      continue;
-    }
-    stack[depth++] = number;
-    if (step.kind == TreeStep::Kind::solid) {
-      values[number] = solid_field(shape.program, tree.solids.leaves[step.first], place);
-      continue;
-    }
-    FieldValue<Vec3d> sum;
-    for (uint32_t i = step.first; i < step.first + step.count; ++i) {
-      if (leaves[0][i] == 0) continue;
-      sum.f += leaves[0][i], sum.g += Vec3d(leaves[1][i], leaves[2][i], leaves[3][i]);
-    }
-    values[number] = sum;
-  }
-  return Vec3(values[stack[0]].g);
-}
-
 } // namespace HWY_NAMESPACE
 } // namespace kelpie
 HWY_AFTER_NAMESPACE();
@@ -620,20 +406,15 @@ HWY_AFTER_NAMESPACE();
 namespace kelpie {
 
 HWY_EXPORT(SolveTree);
-HWY_EXPORT(TreeGradient);
+
+bool solve_given_tree(const FieldProgram& program, const TreeView& tree, const Cell& cell, const RaySegment& ray, SolverWork& work,
+                      float& t) {
+  return HWY_DYNAMIC_DISPATCH(SolveTree)(program, tree, cell, ray, work, t);
+}
 
 bool solve_tree(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolverWork& work, float& t) {
-  return HWY_DYNAMIC_DISPATCH(SolveTree)(shape.program, shape.tree(cell), cell, ray, work, t);
+  return solve_given_tree(shape.program, shape.tree(cell), cell, ray, work, t);
 }
-
-bool solve_moving_tree(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolverWork& work, float& t) {
-  const CodeView code = shape.code(cell);
-  const FieldProgram& now = at(shape.program, code, shape.slab_time(ray.time));
-  const std::optional<Tree> tree = make_tree(now, code, cell.box);
-  return tree ? HWY_DYNAMIC_DISPATCH(SolveTree)(now, tree->view(), cell, ray, work, t) : solve_code(shape, cell, ray, work, t);
-}
-
-Vec3 tree_gradient(const ShapeCells& shape, const Cell& cell, const Vec3& p) { return HWY_DYNAMIC_DISPATCH(TreeGradient)(shape, cell, p); }
 
 } // namespace kelpie
 #endif

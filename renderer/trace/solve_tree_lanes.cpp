@@ -1,7 +1,6 @@
 // The solver for trees, for packets: lanes are rays. Each lane walks along its own segment (s in [-h, h], centred) by
-// stretches of its own length. Over each the field has a line above it (tree_leaf-inl.h), which misses the field by the square
-// of the stretch's length: up to where that line reaches the threshold there is no root, and with its slope Newton's step says
-// where the root may be. The next stretch is centred there, so that what is left of it shrinks quadratically.
+// stretches of its own length (tree_march-inl.h). Over each the field has a line above it (potentials-inl.h), which misses the field by
+// the square of the stretch's length.
 //
 // The lanes evaluate together, and no lane's arithmetic looks at another's.
 
@@ -16,11 +15,13 @@
 
 #include "renderer/lanes/lanes-inl.h"
 #include "renderer/lanes/solid_leaf-inl.h"
+#include "renderer/lanes/tree_joins-inl.h"
 #include "renderer/lanes/tree_leaf-inl.h"
 #include "renderer/lanes/warp_lanes-inl.h"
 #include "renderer/lanes/warped_ray.h"
 #include "renderer/trace/segments-inl.h"
 #include "renderer/trace/solve.h"
+#include "renderer/trace/tree_march-inl.h"
 
 #ifndef KELPIE_SOLVE_TREE_LANES_ONCE
 #define KELPIE_SOLVE_TREE_LANES_ONCE
@@ -56,7 +57,7 @@ class TreeLaneSolver {
 public:
   TreeLaneSolver(const ShapeCells& shape, const Cell& cell, SolverWork& work, LaneTree& scratch)
       : tree_(shape.tree(cell)), curves_(shape.program, tree_.spaces), threshold_(static_cast<float>(shape.program.threshold)),
-        negligible_(1e-5f * threshold_), tiny_(cell.epsilon), work_(work), lanes_(scratch) {}
+        tiny_(cell.epsilon), work_(work), lanes_(scratch) {}
 
   /// The lanes that hit, in `hit`; those that only the solver for single rays can answer, in `unsure`.
   /// `enough`: where a lane may stop at any point that is inside, up to this t.
@@ -73,18 +74,25 @@ public:
     hit = unsure = no_lanes();
     live_ = hn::And(live_, hn::Ge(most, set(threshold_ * (1 - 1e-6f))));
     if (none(live_)) return;
-    V root;
-    march(hn::Sub(enough, middle), hit, root);
-    unsure = live_;
-    if (is_steep()) verify(hn::Sub(enough, middle), root, hit, unsure);
+    enough = hn::Sub(enough, middle);
+    TreeMarch march(half_, live_, tiny_, 1e-5f * threshold_);
+    for (int i = 0; i < k_most_tries && !none(live_); ++i) {
+      const TreeMarch::Stretch stretch = march.next();
+      const Slope f = evaluate(stretch.middle, stretch.half);
+      march.learn(stretch, f.value, f.high, enough);
+      live_ = march.live();
+    }
+    hit = march.hit(), unsure = march.live();
+    const V root = march.root();
+    if (bends_sharply()) verify(enough, root, hit, unsure);
     t = hn::Max(hn::Add(middle, root), segments.entry);
   }
 
 private:
   /// Whether the field may bend sharply on the surface, so that a secant misses its root.
-  bool is_steep() const {
-    const auto is_steep_join = [](const TreeStep& step) { return step.kind >= TreeStep::Kind::r_union; };
-    return std::any_of(tree_.steps.begin(), tree_.steps.end(), is_steep_join);
+  bool bends_sharply() const {
+    return std::any_of(tree_.steps.begin(), tree_.steps.end(),
+                       [](const TreeStep& step) { return step.kind == TreeStep::Kind::join && bends(step.join); });
   }
 
   /// Lanes whose root is none become unsure. Up to `enough` any place inside was good enough, and so it is where the segment begins.
@@ -128,68 +136,46 @@ private:
     middle_ = m, direction_ = d;
     lanes_.begin(tree_.leaf_count, tree_.solids.leaves.size());
     find_curves(hn::Zero(k_lanes));
-    const V zero = hn::Zero(k_lanes);
-    Range stack[k_tree_depth + 1];
-    Part parts[k_tree_depth + 1];
-    size_t depth = 0;
-    const auto bounds_of = [&](V peak) { return Range{zero, hn::Min(peak, zero), hn::Max(peak, zero)}; };
-    for (const TreeStep& step : tree_.steps) {
-      if (step.is_join()) {
-        depth -= step.count;
-        stack[depth] = join_ranges(step, threshold_, [&](uint32_t i) -> const Range& { return stack[depth + i]; });
-        parts[depth] = join_parts(step, &parts[depth]);
-        ++depth;
-        continue;
-      }
-      Part part{lanes_.steps.size(), true, false};
-      TreeStep& left = lanes_.steps.emplace_back(step);
-      if (step.kind == TreeStep::Kind::solid) {
-        const V peak = set_up_solid(step.first);
-        part.is_nothing = none(hn::Ne(peak, zero)),
-        part.may_be_negative = tree_.solids.leaves[step.first].a + tree_.solids.leaves[step.first].b < 0;
-        stack[depth] = bounds_of(peak);
-      } else {
-        left.first = static_cast<uint32_t>(lanes_.leaf_count);
-        Range sum{zero, zero, zero};
-        for (uint32_t i = step.first; i < step.first + step.count; ++i) {
-          const auto slot = static_cast<size_t>(tree_.row(leaf_space, i));
-          const size_t before = lanes_.leaf_count;
-          const V peak = slot == 0 ? set_up_leaf(i, m, d) : set_up_leaf(i, found_[slot - 1].place, found_[slot - 1].velocity);
-          part.may_be_negative |= lanes_.leaf_count > before && !tree_.is_positive(i);
-          sum.low = hn::Add(sum.low, hn::Min(peak, zero)), sum.high = hn::Add(sum.high, hn::Max(peak, zero));
-        }
-        left.count = static_cast<uint32_t>(lanes_.leaf_count) - left.first, part.is_nothing = left.count == 0;
-        stack[depth] = sum;
-      }
-      parts[depth++] = part;
-    }
-    return stack[0].high;
+    const auto start = [&](const TreeStep& step, Operand& out) {
+      const size_t first = lanes_.steps.size();
+      lanes_.steps.push_back(step);
+      out = step.kind == TreeStep::Kind::solid ? set_up_solid(step) : set_up_leaves(step);
+      out.part.first = first;
+    };
+    const auto join = [&](const TreeStep& step, Operand* operands) {
+      const Range bounds = join_ranges(step, threshold_, [&](uint32_t i) -> const Range& { return operands[i].bounds; });
+      operands[0] = {join_parts(step, operands), bounds};
+    };
+    return fold_tree<Operand>(tree_.steps, start, join).bounds.high;
   }
 
-  /// An operand: the steps from `first` on.
+  /// The steps from `first` on.
   struct Part {
     size_t first = 0;
     bool is_nothing = true, may_be_negative = false; ///< 0 in all lanes; below 0 in any
   };
+  struct Operand {
+    Part part;
+    Range bounds; ///< of the field on the segments; what it is in their middle is not asked for
+  };
 
   /// Joins operands; where one of them is nothing, mostly without a step. What a lane gets is the same, to the last bit.
-  Part join_parts(const TreeStep& step, const Part* operands) {
-    using Kind = TreeStep::Kind;
+  Part join_parts(const TreeStep& step, const Operand* operands) {
     std::vector<TreeStep>& steps = lanes_.steps;
-    const Part &a = operands[0], &b = operands[1];
-    const bool may_be_negative = std::any_of(operands, operands + step.count, [](const Part& p) { return p.may_be_negative; });
+    const Part &a = operands[0].part, &b = operands[1].part;
+    const bool may_be_negative = std::any_of(operands, operands + step.count, [](const Operand& o) { return o.part.may_be_negative; });
     const auto at = [&](size_t i) { return steps.begin() + std::ptrdiff_t(i); };
     const auto nothing = [&] { // of any kind, with a step of its own
       steps.erase(at(a.first) + 1, steps.end());
-      steps.back() = {Kind::leaves, 0, 0, step.is_subtracted};
+      steps.back() = {TreeStep::Kind::leaves, 0, 0, step.is_subtracted};
       return Part{a.first, true, false};
     };
-    switch (step.kind) {
-    case Kind::sum:
-    case Kind::maximum:
-    case Kind::r_union:
-    case Kind::hyper_blend:
-      if (step.kind != Kind::sum && may_be_negative) break;
+    switch (step.join) {
+    case Join::sum:
+    case Join::maximum:
+    case Join::r_union:
+    case Join::hyper_blend:
+      if (step.join != Join::sum && may_be_negative) break;
       if (b.is_nothing) {
         steps.erase(at(b.first), steps.end());
         return a;
@@ -197,18 +183,35 @@ private:
       if (!a.is_nothing) break;
       steps.erase(at(a.first), at(b.first));
       return {a.first, false, b.may_be_negative};
-    case Kind::minimum:
-    case Kind::r_intersection:
+    case Join::minimum:
+    case Join::r_intersection:
       if (!may_be_negative && (a.is_nothing || b.is_nothing)) return nothing();
       break;
-    case Kind::difference:
-    case Kind::r_difference:
+    case Join::difference:
+    case Join::r_difference:
       if (a.is_nothing) return nothing();
       break;
-    default: break;
+    case Join::local_blend: break;
     }
     steps.push_back(step);
     return {a.first, false, may_be_negative};
+  }
+
+  /// What some leaves are together, and which of them any lane meets.
+  Operand set_up_leaves(const TreeStep& step) {
+    const V zero = hn::Zero(k_lanes);
+    TreeStep& left = lanes_.steps.back();
+    left.first = static_cast<uint32_t>(lanes_.leaf_count);
+    Operand out{{}, {zero, zero, zero}};
+    for (uint32_t i = step.first; i < step.first + step.count; ++i) {
+      const auto slot = static_cast<size_t>(tree_.row(leaf_space, i));
+      const size_t before = lanes_.leaf_count;
+      const V peak = slot == 0 ? set_up_leaf(i, middle_, direction_) : set_up_leaf(i, found_[slot - 1].place, found_[slot - 1].velocity);
+      out.part.may_be_negative |= lanes_.leaf_count > before && !tree_.is_positive(i);
+      out.bounds.low = hn::Add(out.bounds.low, hn::Min(peak, zero)), out.bounds.high = hn::Add(out.bounds.high, hn::Max(peak, zero));
+    }
+    left.count = static_cast<uint32_t>(lanes_.leaf_count) - left.first, out.part.is_nothing = left.count == 0;
+    return out;
   }
 
   /// The potential at the place of the segment that is nearest to the leaf, or nearer.
@@ -235,13 +238,15 @@ private:
   const V3& velocity_in_base(const SolidLeaf& leaf) const { return leaf.slot == 0 ? direction_ : found_[leaf.slot - 1].velocity; }
 
   /// The same for a solid.
-  HWY_NOINLINE V set_up_solid(uint32_t i) {
-    const SolidLeaf& leaf = tree_.solids.leaves[i];
+  HWY_NOINLINE Operand set_up_solid(const TreeStep& step) {
+    const SolidLeaf& leaf = tree_.solids.leaves[step.first];
+    const V zero = hn::Zero(k_lanes);
     const V3 place = place_in_base(leaf, hn::Zero(k_lanes));
     const V peak = solid_potential(leaf, SolidView(tree_.solids, leaf).range(place, velocity_in_base(leaf), half_, false).near.least());
-    const auto reaches = hn::And(live_, hn::Ne(peak, hn::Zero(k_lanes)));
-    hn::Store(hn::IfThenElseZero(reaches, set(1)), k_lanes, lanes_.reaches.get() + i * k_width);
-    return hn::IfThenElseZero(reaches, peak);
+    const auto reaches = hn::And(live_, hn::Ne(peak, zero));
+    hn::Store(hn::IfThenElseZero(reaches, set(1)), k_lanes, lanes_.reaches.get() + step.first * k_width);
+    const V met = hn::IfThenElseZero(reaches, peak);
+    return {{0, none(reaches), !leaf.potential.is_positive()}, {zero, hn::Min(met, zero), hn::Max(met, zero)}};
   }
 
   /// f - T in the middle of each lane's stretch, and its bounds within.
@@ -252,26 +257,18 @@ private:
     work_.evaluations += hn::CountTrue(k_lanes, live_);
     find_curves(s);
     const V zero = hn::Zero(k_lanes);
-    Slope stack[k_tree_depth + 1];
-    size_t depth = 0;
-    for (const TreeStep& step : lanes_.steps) {
-      if (step.is_join()) {
-        depth -= step.count - 1;
-        stack[depth - 1] = join_slopes<WantsLow>(step, threshold_, [&](uint32_t i) -> const Slope& { return stack[depth - 1 + i]; });
-        continue;
-      }
-      stack[depth].value = zero, stack[depth].high = {zero, zero};
-      if constexpr (WantsLow) stack[depth].low = {zero, zero};
-      if (step.kind == TreeStep::Kind::solid) {
-        add_solid(step, s, h, stack[depth++]);
-        continue;
-      }
-      for (uint32_t j = step.first; j < step.first + step.count; ++j) add(j, step.is_subtracted, s, h, stack[depth]);
-      ++depth;
-    }
+    const auto add_step = [&](const TreeStep& step, Slope& out) {
+      out.value = zero, out.high = {zero, zero};
+      if constexpr (WantsLow) out.low = {zero, zero};
+      if (step.kind == TreeStep::Kind::solid) return add_solid(step, s, h, out);
+      for (uint32_t j = step.first; j < step.first + step.count; ++j) add(j, step.is_subtracted, s, h, out);
+    };
+    const auto join = [&](const TreeStep& step, Slope* operands) {
+      operands[0] = join_slopes<WantsLow>(step, threshold_, [&](uint32_t i) -> const Slope& { return operands[i]; });
+    };
+    Slope f = fold_tree<Slope>(lanes_.steps, add_step, join);
     const V below = set(-threshold_);
-    Slope f;
-    f.value = hn::Add(stack[0].value, below), f.high = stack[0].high + below;
+    f.value = hn::Add(f.value, below), f.high = f.high + below;
     return f;
   }
 
@@ -305,59 +302,6 @@ private:
     add_leaf(Leaf::all(tree_, i), tree_.is_positive(i), wants_low(is_subtracted), place, velocity, drift_within(row, h), h, sum);
   }
 
-  void march(V enough, M& hit, V& root) {
-    const V zero = hn::Zero(k_lanes), tiny = set(tiny_), infinity = set(std::numeric_limits<float>::infinity());
-    const V start = hn::Neg(half_);
-    V from = start;                                                                         // there is no root before
-    V outside = hn::Neg(infinity), g_outside = set(-1), inside = infinity, g_inside = zero; // the last place seen outside, the first inside
-    V step = hn::Mul(set(0.8f), hn::Max(half_, tiny));
-    root = from;
-    for (int i = 0; i < k_most_tries && !none(live_); ++i) {
-      step = hn::Max(hn::Min(step, hn::Sub(half_, from)), set(1e-3f * tiny_));
-      const V x = hn::MulAdd(set(0.5f), step, from), h = hn::Mul(set(0.5005f), step), end = hn::Add(from, step);
-      const Slope f = evaluate(x, h);
-      const V g = f.value;
-      const M is_outside = hn::Lt(g, zero), is_inside = hn::Not(is_outside), is_first = hn::And(is_inside, hn::Lt(x, inside));
-      outside = hn::IfThenElse(is_outside, x, outside), g_outside = hn::IfThenElse(is_outside, g, g_outside);
-      inside = hn::IfThenElse(is_first, x, inside), g_inside = hn::IfThenElse(is_first, g, g_inside);
-
-      // As far as the bound is negative there is no root.
-      const V rise = hn::Sub(f.high.right, f.high.left), slope = hn::Div(rise, hn::Add(h, h));
-      const M begins_clear = hn::Lt(f.high.left, zero), is_clear = hn::Lt(f.high.most(), set(negligible_));
-      const V crossing = hn::Sub(hn::Sub(x, h), hn::Div(f.high.left, slope)), before = from;
-      from = hn::IfThenElse(is_clear, end, hn::IfThenElse(begins_clear, hn::Min(hn::Max(from, crossing), end), from));
-
-      // Newton's step, with the slope of the bound. Where the bound hardly parts from the field, it is the root.
-      const M rises = hn::Gt(rise, zero);
-      const V newton = hn::IfThenElse(rises, hn::Sub(x, hn::Div(g, slope)), hn::Neg(infinity)), ahead = hn::Sub(newton, from);
-      const M is_line =
-          hn::And(hn::And(rises, hn::Le(step, set(8 * tiny_))), hn::Le(hn::Sub(f.high.middle(), g), hn::Mul(slope, set(0.02f * tiny_))));
-      const M is_at_from = hn::And(hn::Lt(f.high.left, set(3 * negligible_)), hn::Lt(ahead, set(0.5f * tiny_)));
-      const M is_bracketed = hn::Le(hn::Sub(inside, from), tiny), is_short = hn::Le(step, set(0.3f * tiny_));
-      const M found =
-          hn::And(live_, hn::Or(hn::And(is_inside, hn::And(is_line, is_at_from)), hn::And(is_bracketed, hn::Or(is_line, is_short))));
-      const M will_do = hn::And(live_, hn::And(is_inside, hn::Le(x, enough))), answered = hn::Or(will_do, found);
-      const M has_both = hn::And(hn::Lt(outside, inside), hn::Lt(hn::Sub(inside, outside), infinity));
-      const V between = hn::MulAdd(hn::Div(g_outside, hn::Sub(g_outside, g_inside)), hn::Sub(inside, outside), outside);
-      const V estimate = hn::IfThenElse(hn::Or(is_line, hn::Not(has_both)), newton, between);
-      const V at_surface = hn::Min(hn::Max(estimate, from), inside);
-      root = hn::IfThenElse(will_do, x, hn::IfThenElse(found, at_surface, root));
-      hit = hn::Or(hit, answered);
-      live_ = hn::AndNot(hn::Or(answered, hn::And(is_clear, hn::Ge(from, half_))), live_);
-
-      // The next stretch has the root in its middle, or a little before it: Newton's, or that of the line between what is known.
-      const M is_ahead = hn::And(hn::Gt(ahead, zero), hn::Le(newton, inside));
-      const V target = hn::IfThenElse(is_ahead, newton, hn::IfThenElse(has_both, between, infinity));
-      const V centred = hn::MulAdd(set(2), hn::Sub(target, from), set(0.8f * tiny_));
-      const M was_worth_it = hn::Gt(hn::Sub(from, before), hn::Mul(set(0.3f), step));
-      const V longest = hn::IfThenElse(is_clear, hn::Mul(set(32), step), hn::IfThenElse(was_worth_it, step, hn::Mul(set(0.5f), step)));
-      const V blind = hn::IfThenElse(is_clear, hn::Mul(set(3), step), hn::Mul(set(0.4f), step));
-      const M may_start_inside = hn::And(is_inside, hn::And(hn::Le(from, start), hn::Le(ahead, zero)));
-      step = hn::IfThenElse(hn::Lt(target, infinity), hn::Min(centred, longest), blind);
-      step = hn::IfThenElse(may_start_inside, hn::Min(step, tiny), step);
-    }
-  }
-
   bool needs_low() const {
     return !tree_.is_monotone || std::any_of(tree_.steps.begin(), tree_.steps.end(), [](const TreeStep& s) { return s.is_subtracted; });
   }
@@ -365,7 +309,7 @@ private:
   TreeView tree_;
   bool wants_low_ = needs_low();
   WarpedRay curves_;
-  float threshold_, negligible_, tiny_;
+  float threshold_, tiny_;
   V half_;
   V3 middle_, direction_; ///< where s is 0, from the cell's centre; and by s
   M live_;                ///< lanes without an answer
