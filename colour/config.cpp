@@ -5,10 +5,9 @@
 #include <sstream>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "colour/spaces.h"
 
 namespace kelpie::colour {
@@ -158,8 +157,9 @@ OCIO::ConstCPUProcessorRcPtr scene_linear_from(const std::string& space) {
 
 void apply_in_bands(const OCIO::CPUProcessor& processor, float* pixels, size_t pixel_count, int channels) {
   constexpr size_t k_band = 16384; // pixels: some tenths of a millisecond of work even for a matrix
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, pixel_count, k_band), [&](const tbb::blocked_range<size_t>& band) {
-    OCIO::PackedImageDesc image(pixels + band.begin() * channels, static_cast<long>(band.size()), 1, channels);
+  parallel_for(size_t(0), (pixel_count + k_band - 1) / k_band, [&](size_t band) {
+    const size_t first = band * k_band, count = std::min(k_band, pixel_count - first);
+    OCIO::PackedImageDesc image(pixels + first * channels, static_cast<long>(count), 1, channels);
     processor.apply(image);
   });
 }

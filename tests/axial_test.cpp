@@ -169,6 +169,7 @@ TEST(AxisTube, NeverFoldsSpace) {
 }
 
 TEST(AxisTube, BoxesHoldTheirFeet) {
+  int held = 0;
   for (unsigned trial = 0; trial < 200; ++trial) {
     SCOPED_TRACE(trial);
     Random r(trial);
@@ -189,8 +190,10 @@ TEST(AxisTube, BoxesHoldTheirFeet) {
         is_held |= (part.step + 1 == foot.step && foot.s < 1e-9 && part.to > 1 - 1e-9) ||
                    (part.step == foot.step + 1 && foot.s > 1 - 1e-9 && part.from < 1e-9);
       EXPECT_TRUE(is_held);
+      ++held;
     }
   }
+  EXPECT_GT(held, 1000);
 }
 
 } // namespace

@@ -1,155 +1,74 @@
 // Cells are what is left of a field: whatever was pruned away must not show.
-#include <numeric>
-
 #include <gtest/gtest.h>
 
 #include "renderer/cells/tighten.h"
 #include "renderer/program/bound.h"
 #include "renderer/trace/solve.h"
-#include "tests/support/every_kind.h"
+#include "tests/support/cell_field.h"
+#include "tests/support/moving_field.h"
 
 namespace kelpie {
 namespace {
 
-/// The potential of a leaf of a tree, by the formula of tree.h.
-double leaf_value(const TreeView& tree, size_t i, const Vec3d& p) {
-  const auto row = [&](uint32_t r) { return double(tree.leaves[r * tree.leaf_count + i]); };
-  const auto coordinate = [&](uint32_t r) { return glm::dot(Vec3d(row(r), row(r + 1), row(r + 2)), p) + row(r + 3); };
-  const double across = std::hypot(coordinate(leaf_xx), coordinate(leaf_yx)), z = coordinate(leaf_zx);
-  const double s = std::clamp(z - row(leaf_slope) * across, row(leaf_s_low), row(leaf_s_high));
-  const double d = std::max(0.0, std::hypot(across, z - s) - (row(leaf_r) - row(leaf_sine) * s));
-  const double q = std::max(0.0, 1 - row(leaf_k) * d * d);
-  return q * q * (row(leaf_a) + row(leaf_b) * q);
-}
-
-/// From the nearest point of a part to a point, by tree.h.
-Vec3d from_part(const Solids& solids, const SolidPart& part, Vec3d q, bool has_height) {
-  const Vec3d low(part.x_low, part.y_low, part.z_low), high(part.x_high, part.y_high, part.z_high);
-  Vec3d r = q - glm::clamp(q, low, high);
-  if (!has_height) r.z = 0;
-  if (part.edge_count == 0) return r;
-  std::vector<Vec2d> corners;
-  for (const SolidEdge& e : std::span(solids.edges + part.first_edge, part.edge_count)) corners.push_back({e.x, e.y});
-  const Vec2d across = from_nearest(corners, Vec2d(q));
-  return {across.x, across.y, r.z};
-}
-
-/// How far outside a rectangle a point is, or how far inside as a number below 0.
-double signed_distance_to_part(const SolidPart& part, const Vec3d& q, bool has_height) {
-  double side = std::max({part.x_low - q.x, q.x - part.x_high, part.y_low - q.y, q.y - part.y_high});
-  if (has_height) side = std::max({side, part.z_low - q.z, q.z - part.z_high});
-  return side;
-}
-
-/// The potential of a solid, by tree.h.
-double solid_value(const Solids& solids, const SolidLeaf& leaf, const Vec3d& p) {
-  double d = std::numeric_limits<double>::infinity();
-  bool is_outside = false;
-  for (const SolidPart& part : std::span(solids.parts + leaf.first_part, leaf.part_count)) {
-    const auto coordinate = [&](int r) {
-      return glm::dot(Vec3d(part.frame[r], part.frame[r + 1], part.frame[r + 2]), p) + part.frame[r + 3];
-    };
-    const Vec3d q(coordinate(0), coordinate(4), coordinate(8)), turned(std::hypot(q.x, q.y), q.z, 0);
-    const bool is_turned = leaf.form == SolidLeaf::Form::turned || leaf.form == SolidLeaf::Form::arc;
-    d = std::min(d, glm::length(from_part(solids, part, is_turned ? turned : q, !is_turned)));
-    is_outside |= q.z > 0;
-    if (leaf.is_signed) {
-      const double side = signed_distance_to_part(part, is_turned ? turned : q, !is_turned);
-      if (side < 0) d = side;
-    }
-    if (leaf.form == SolidLeaf::Form::half_space) d = q.z;
-    if (leaf.form == SolidLeaf::Form::arc && leaf.past_end_x * q.x + leaf.past_end_y * std::abs(q.y) + leaf.past_end_0 > 0)
-      d = glm::length(Vec3d(q.x - leaf.end_x, std::abs(q.y) - leaf.end_y, q.z));
-  }
-  if (leaf.form == SolidLeaf::Form::hull && !is_outside) d = 0;
-  const SolidPotential& f = leaf.potential;
-  d -= leaf.growth;
-  if (f.form == SolidPotential::Form::ramp) return std::clamp(f.a - f.b * d, double(f.low), double(f.high));
-  const double q = std::max(0.0, 1 - f.k * square(std::max(0.0, d)));
-  return q * q * (f.a + f.b * q);
-}
-
-template <class Function>
-double r_join(double a, double b, double threshold) {
-  return threshold * Function::join(std::max(0.0, a) / threshold, std::max(0.0, b) / threshold);
-}
-
-double tree_value(const TreeView& tree, const Vec3d& p, double threshold) {
-  std::vector<double> stack;
-  for (const TreeStep& step : tree.steps) {
-    double result = 0;
-    if (step.kind == TreeStep::Kind::leaves) {
-      for (uint32_t i = 0; i < step.count; ++i) result += leaf_value(tree, step.first + i, p);
-    } else if (step.kind == TreeStep::Kind::solid) {
-      result = solid_value(tree.solids, tree.solids.leaves[step.first], p);
-    } else if (step.join == Join::local_blend) {
-      const std::span<const double> f = std::span(stack).last(step.count);
-      const double most = *std::max_element(f.begin(), f.end() - 1), sum = std::accumulate(f.begin(), f.end() - 1, 0.0);
-      result = most + std::clamp(f.back(), 0.0, 1.0) * (sum - most);
-      stack.resize(stack.size() - step.count);
-    } else {
-      const auto operands = stack.end() - step.count;
-      result = *operands;
-      for (auto f = operands + 1; f != stack.end(); ++f) switch (step.join) {
-        case Join::maximum: result = std::max(result, *f); break;
-        case Join::minimum: result = std::min(result, *f); break;
-        case Join::difference: result = std::min(result, 2 * threshold - *f); break;
-        case Join::sum: result += *f; break;
-        case Join::hyper_blend:
-          result = std::pow(std::pow(std::max(0.0, result), step.exponent) + std::pow(std::max(0.0, *f), step.exponent), 1 / step.exponent);
-          break;
-        case Join::r_union: result = r_join<r_function::Unite>(result, *f, threshold); break;
-        case Join::r_intersection: result = r_join<r_function::Intersect>(result, *f, threshold); break;
-        case Join::r_difference: result = r_join<r_function::Intersect>(result, 2 * threshold - *f, threshold); break;
-        case Join::local_blend: break;
-        }
-      if (step.join == Join::difference) result = std::max(0.0, result);
-      stack.erase(operands, stack.end());
-    }
-    stack.push_back(result);
-  }
-  EXPECT_EQ(stack.size(), 1u);
-  return stack.back();
-}
-
-/// The field as a cell has it, by the formulas of cells.h.
-double cell_value(const ShapeCells& shape, const Cell& cell, const Vec3d& p) {
-  if (cell.content == Cell::Content::tree) return tree_value(shape.tree(cell), p - Vec3d(cell.centre), shape.program.threshold);
-  if (cell.content == Cell::Content::code) return evaluate(shape.program, shape.code(cell), Point3<double>{p.x, p.y, p.z});
-  const float* data = cell.data;
-  const size_t n = cell.count;
-  double sum = 0;
-  for (size_t i = 0; i < n; ++i) {
-    const Vec3d d = p - Vec3d(data[i], data[n + i], data[2 * n + i]);
-    const double q = std::max(0.0, data[3 * n + i] - data[4 * n + i] * glm::dot(d, d));
-    const bool is_pure = cell.content == Cell::Content::pure_blobs;
-    sum += is_pure ? q * q : q * q * (data[5 * n + i] + data[6 * n + i] * q);
-  }
-  return sum;
-}
-
 Vec3 random_point(Random& r, const Box3& box) { return Vec3(r.in(Box3d{Vec3d(box.lower), Vec3d(box.upper)})); }
 
-/// Inside and outside are the same as of the whole field at random points of every cell; on the surface so
-/// is the gradient.
-void expect_pruned_equals_full(const SampledField& field, double threshold, const CellLimits& limits = {}, double precision = 1e-5) {
-  const ShapeCells shape = build_cells(compile(field, threshold), limits);
+/// What of the cells was compared with the whole field.
+struct Compared {
+  size_t points = 0, gradients = 0;          ///< points: off the surface
+  size_t in_warped_cells = 0, in_motion = 0; ///< of the points
+};
+
+/// The gradients of a cell and of the whole field at a place of the surface between two points. (Where the field is torn, nearly flat
+/// or creased a place rounded to float has none to compare.)
+void expect_same_gradient(const ShapeCells& shape, const Cell& cell, Vec3d a, Vec3d b, double u, Compared& compared) {
+  const FieldProgram& program = shape.program;
+  const double threshold = threshold_at(program, u);
+  const auto is_inside = [&](const Vec3d& p) { return whole_value(program, p, u) > threshold; };
+  const bool a_is_inside = is_inside(a);
+  for (int i = 0; i < 50; ++i) (is_inside(0.5 * (a + b)) == a_is_inside ? a : b) = 0.5 * (a + b);
+  const Vec3 p(a);
+  const auto whole_at = [&](const Vec3d& q) { return gradient(at(program, program.code, u), program.code, q); };
+  const Vec3d whole = whole_at(Vec3d(p)), near = whole_at(Vec3d(p) + 1e-5 * (glm::length(a) + 1) * glm::normalize(whole));
+  const double length = glm::length(whole);
+  const bool is_torn = std::abs(whole_value(program, Vec3d(p), u) - threshold) > 1e-3 * threshold + 1e-6 * length;
+  if (is_torn || !(length > 0.3) || !(glm::distance(whole, near) < 1e-3 * length)) return;
+  const Vec3d own(cell_gradient(shape, cell, p, shape.slab_start + float(u) / shape.slabs));
+  ++compared.gradients;
+  EXPECT_LT(glm::distance(own, whole), 0.02 * length) << "at " << p.x << ' ' << p.y << ' ' << p.z;
+}
+
+/// Inside and outside are the same as of the whole field at random points and times of every cell, and so is the gradient on the
+/// surface.
+void expect_pruned_equals_full(const ShapeCells& shape, Compared& compared, double precision = 1e-5) {
   const FieldProgram& program = shape.program;
   Random r(7);
-  const double noise = precision * threshold; // cells hold float32
-  size_t compared = 0;
   for (const Cell& cell : shape.cells) {
-    if (cell.space_count > 0) continue; // below warps
+    const double u = program.motion ? (cell.window + r.uniform(0, 1)) / double(shape.windows()) : 0;
+    const double threshold = threshold_at(program, u), noise = precision * threshold; // cells hold float32
+    std::optional<Vec3d> inside, outside;
     for (int i = 0; i < 8; ++i) {
       const Vec3d p(random_point(r, cell.box));
-      const double whole = evaluate(program, program.code, Point3<double>{p.x, p.y, p.z});
+      const double whole = whole_value(program, p, u);
       if (std::abs(whole - threshold) < noise) continue;
-      ASSERT_EQ(whole > threshold, cell_value(shape, cell, p) > threshold) << "at " << p.x << ' ' << p.y << ' ' << p.z;
-      ++compared;
+      (whole > threshold ? inside : outside) = p;
+      ASSERT_EQ(whole > threshold, cell_value(shape, cell, p, u) > threshold)
+          << "at " << p.x << ' ' << p.y << ' ' << p.z << ", time " << u << ", content " << int(cell.content);
+      ++compared.points, compared.in_warped_cells += cell.space_count > 0, compared.in_motion += program.motion != nullptr;
     }
+    if (inside && outside) expect_same_gradient(shape, cell, *inside, *outside, u, compared);
   }
-  const auto is_warped = [](const Cell& cell) { return cell.space_count > 0; };
-  EXPECT_TRUE(compared > 0 || std::all_of(shape.cells.begin(), shape.cells.end(), is_warped));
+}
+void expect_pruned_equals_full(const SampledField& field, double threshold, Compared& compared, const CellLimits& limits = {},
+                               double precision = 1e-5) {
+  expect_pruned_equals_full(build_cells(compile(field, threshold), limits), compared, precision);
+}
+
+/// The cells of a field that moves, if it does and its maps can be interpolated.
+std::optional<ShapeCells> moving_cells(const MovingField& field, double last_threshold, const CellLimits& limits = {},
+                                       uint32_t windows = 1) {
+  std::vector<FieldProgram> moments = compile({field.start, field.start, field.end}, std::array{1.0, 1.0, last_threshold});
+  if (!set_in_motion(moments[0], std::move(moments[2]), &moments[1].field) || !moments[0].motion) return {};
+  return build_cells(std::move(moments[0]), limits, windows);
 }
 
 // Blobs are put in another order when they are compiled, the same in all moments; the field stays what it was.
@@ -205,62 +124,114 @@ TEST(LeafData, StaysWhereItIs) {
 }
 
 TEST(Cells, PrunedEqualsFullInClouds) {
+  Compared compared;
   for (const Falloff f : {Falloff::quartic, Falloff::cubic, Falloff::wyvill})
-    for (const BlobCloud& cloud : {coincident_cloud(f), thin_cloud(f), negative_cloud(f)}) expect_pruned_equals_full(field_of(cloud), 1);
+    for (const BlobCloud& cloud : {coincident_cloud(f), thin_cloud(f), negative_cloud(f)})
+      expect_pruned_equals_full(field_of(cloud), 1, compared);
+  EXPECT_GT(compared.points, 50'000u);
+  EXPECT_GT(compared.gradients, 2000u);
 }
 
 TEST(Cells, PrunedEqualsFullInTrees) {
-  for (unsigned trial = 0; trial < 300; ++trial) {
+  Compared compared;
+  for (unsigned trial = 0; trial < 300 && !HasFailure(); ++trial) {
     SCOPED_TRACE(trial);
     Random r(trial);
     SampledField field;
     random_tree(r, 1 + int(trial % 4), field);
-    expect_pruned_equals_full(field, trial % 2 ? 1 : 0.6, k_small_cells);
-    if (HasFatalFailure()) return;
+    expect_pruned_equals_full(field, trial % 2 ? 1 : 0.6, compared, k_small_cells);
   }
+  EXPECT_GT(compared.points, 10'000u);
+  EXPECT_GT(compared.gradients, 700u);
 }
 
 TEST(Cells, PrunedEqualsFullOfEveryKind) {
   const EveryKind kinds;
-  for (unsigned trial = 0; trial < 90; ++trial) { // each operator over each warp
+  Compared compared;
+  for (unsigned trial = 0; trial < 90 && !HasFailure(); ++trial) { // each operator over each warp
     SCOPED_TRACE(trial);
     Random r(trial);
     const SampledField field = kinds.random_field(trial, r);
     // Of a solid far larger than its radius of influence float32 leaves less.
-    expect_pruned_equals_full(field, trial % 2 ? 1 : 0.6, trial % 3 ? CellLimits{} : k_small_cells, 1e-3);
-    if (HasFatalFailure()) return;
+    expect_pruned_equals_full(field, trial % 2 ? 1 : 0.6, compared, trial % 3 ? CellLimits{} : k_small_cells, 1e-3);
   }
+  EXPECT_GT(compared.points, 20'000u);
+  EXPECT_GT(compared.in_warped_cells, compared.points / 10);
+  EXPECT_GT(compared.gradients, 1000u);
+}
+
+TEST(Cells, PrunedEqualsFullInMotion) {
+  const EveryKind kinds;
+  Compared compared;
+  const auto look = [&](const MovingField& field, double last_threshold, const CellLimits& limits, uint32_t windows, double precision) {
+    if (const auto shape = moving_cells(field, last_threshold, limits, windows)) expect_pruned_equals_full(*shape, compared, precision);
+  };
+  for (const BlobCloud& cloud : {coincident_cloud(Falloff::quartic), thin_cloud(Falloff::cubic), negative_cloud(Falloff::wyvill)})
+    for (const Moves moves : {Moves::centres, Moves::everything, Moves::some}) look(moving_cloud(cloud, 0.5, moves), 1, {}, 2, 1e-5);
+  EXPECT_GT(compared.in_motion, 50'000u) << "of clouds";
+  compared = {};
+  for (unsigned trial = 0; trial < 100 && !HasFailure(); ++trial) {
+    SCOPED_TRACE(trial);
+    look(random_moving_tree(trial, 1 + int(trial % 3), MovingTree::with_points), trial % 2 ? 1 : 1.2, k_small_cells, 1, 1e-5);
+    look(random_moving_field(kinds, trial), 1, {}, 1, 1e-3);
+  }
+  EXPECT_GT(compared.in_motion, 10'000u) << "of trees";
+  EXPECT_GT(compared.gradients, 500u);
 }
 
 // What a box is cut back by holds nothing of the surface. (Boxes of cells are cut back already: this goes on with it.)
-TEST(Cells, WhatABoxIsCutBackByIsEmpty) {
-  const EveryKind kinds;
-  int compared = 0, cut = 0;
-  const auto look = [&](const SampledField& field, double threshold) {
-    const ShapeCells shape = build_cells(compile(field, threshold));
+class Tightening : public testing::Test {
+protected:
+  void look(const ShapeCells& shape) {
+    const FieldProgram& program = shape.program;
     Random r(11);
     for (const Cell& cell : shape.cells) {
-      if (cell.space_count > 0 || cell.content == Cell::Content::code) continue;
+      // Code is not cut back, nor are blobs that grow or fade.
+      if (cell.has_code() || cell.content == Cell::Content::moving_mixed_blobs) continue;
+      const double first = r.uniform(0, 1), last = r.uniform(first, 1);
+      const TimeSpan time = program.motion ? TimeSpan{float(first), float(last)} : TimeSpan{};
+      const double threshold = threshold_range(program).lo;
       const Box3 part{random_point(r, cell.box), cell.box.upper};
-      const Box3 tight = cell.content == Cell::Content::tree ? tightened_to_tree(part, shape.tree(cell), cell.centre, threshold)
-                                                             : tightened_to_blobs(part, cell.content, cell.data, cell.count, threshold);
+      const Box3 tight = cell.content == Cell::Content::tree
+                             ? tightened_to_tree(part, shape.tree(cell), cell.centre, threshold)
+                             : tightened_to_blobs(part, cell.content, cell.data, cell.count, threshold, time);
       for (int i = 0; i < 20; ++i) {
         const Vec3 p = random_point(r, part);
-        ++compared;
+        const double u = program.motion ? r.uniform(double(time.start), double(time.end)) : 0;
+        ++points_;
         if (tight.contains(p)) continue;
-        ++cut;
-        ASSERT_LT(cell_value(shape, cell, Vec3d(p)), threshold);
+        ++cut_, cut_in_warps_ += cell.space_count > 0, cut_in_motion_ += program.motion != nullptr;
+        ASSERT_LT(cell_value(shape, cell, Vec3d(p), u), threshold) << "time " << u;
       }
     }
-  };
+  }
+
+  int points_ = 0, cut_ = 0, cut_in_warps_ = 0, cut_in_motion_ = 0;
+};
+
+TEST_F(Tightening, CutsNothingOffTrees) {
+  const EveryKind kinds;
   for (unsigned trial = 0; trial < 90; ++trial) {
     SCOPED_TRACE(trial);
     Random r(trial);
-    look(kinds.random_field(trial, r), trial % 2 ? 1 : 0.6);
+    look(build_cells(compile(kinds.random_field(trial, r), trial % 2 ? 1 : 0.6)));
   }
+  EXPECT_GT(cut_, points_ / 10);
+  EXPECT_GT(cut_in_warps_, 10'000);
+}
+
+TEST_F(Tightening, CutsNothingOffClouds) {
   for (const Falloff f : {Falloff::quartic, Falloff::wyvill})
-    for (const BlobCloud& cloud : {coincident_cloud(f), thin_cloud(f), negative_cloud(f)}) look(field_of(cloud), 1);
-  EXPECT_GT(cut, compared / 10);
+    for (const BlobCloud& cloud : {coincident_cloud(f), thin_cloud(f), negative_cloud(f)}) look(build_cells(compile(field_of(cloud), 1)));
+  EXPECT_GT(cut_, points_ / 10);
+}
+
+TEST_F(Tightening, CutsNothingOffWhatMoves) {
+  for (const BlobCloud& cloud : {coincident_cloud(Falloff::quartic), thin_cloud(Falloff::quartic)})
+    for (const Moves moves : {Moves::centres, Moves::some}) look(moving_cells(moving_cloud(cloud, 0.8, moves), 1).value());
+  for (unsigned trial = 0; trial < 60; ++trial) // parts of them stand
+    if (const auto shape = moving_cells(random_moving_tree(trial, 2, MovingTree::with_points), 1.2)) look(*shape);
+  EXPECT_GT(cut_in_motion_, points_ / 10);
 }
 
 // Cells of any size are the field; larger ones take less memory.
@@ -275,7 +246,9 @@ TEST(Cells, CoarserCellsTakeLess) {
       const size_t now = build_cells(compile(field_of(cloud), 1), limits).bytes();
       EXPECT_LE(now, before);
       before = now;
-      expect_pruned_equals_full(field_of(cloud), 1, limits);
+      Compared compared;
+      expect_pruned_equals_full(field_of(cloud), 1, compared, limits);
+      EXPECT_GT(compared.points, 50u);
     }
     EXPECT_EQ(steps, 3);
     EXPECT_LT(before, 0.75 * double(finest));
@@ -298,6 +271,7 @@ TEST(Cells, TakeWhatTheyAreFromTheBudget) {
 
 // Wherever the field crosses the threshold there is a cell: points close together, one on either side.
 TEST(Cells, HoldTheWholeSurface) {
+  int crossings = 0;
   for (unsigned trial = 0; trial < 60; ++trial) {
     SCOPED_TRACE(trial);
     Random r(trial);
@@ -310,16 +284,19 @@ TEST(Cells, HoldTheWholeSurface) {
     for (int i = 0; i < 300; ++i) {
       Vec3d a = r.in(program.support), b = r.in(program.support);
       if (inside(a) == inside(b)) continue;
+      ++crossings;
       for (int k = 0; k < 50; ++k) (inside(0.5 * (a + b)) == inside(a) ? a : b) = 0.5 * (a + b);
       const bool held =
           std::any_of(shape.cells.begin(), shape.cells.end(), [&](const Cell& c) { return c.box.padded(1e-5f).contains(Vec3(a)); });
       EXPECT_TRUE(held) << "no cell at " << a.x << ' ' << a.y << ' ' << a.z;
     }
   }
+  EXPECT_GT(crossings, 700);
 }
 
 // Bounds of every step of a program contain samples of it, in boxes of any size.
 TEST(Cells, BoundsContainSamples) {
+  int fields = 0, telling = 0;
   for (unsigned trial = 0; trial < 300; ++trial) {
     SCOPED_TRACE(trial);
     Random r(trial);
@@ -331,6 +308,7 @@ TEST(Cells, BoundsContainSamples) {
     const Box3d box{centre - half, centre + half};
     std::vector<Interval> ranges;
     bound(program, program.code, box, ranges);
+    ++fields, telling += ranges.back().width() > 0;
     for (int i = 0; i < 50; ++i) {
       const Vec3d p = r.in(box);
       const double f = evaluate(program, program.code, Point3<double>{p.x, p.y, p.z});
@@ -338,6 +316,55 @@ TEST(Cells, BoundsContainSamples) {
       EXPECT_GE(ranges.back().hi + 1e-5, f);
     }
   }
+  EXPECT_GT(fields, 200);
+  EXPECT_GT(telling, fields / 3);
+}
+
+// The derivative of the map to a warped space differs within a box by no more than is said: on this the bounds of trees are built.
+TEST(Trees, TurningBoundsHowMuchDerivativesDiffer) {
+  FieldKinds::for_each([]<template <class> class Kind>() {
+    if constexpr (Warp<Kind<SampledMode>>) {
+      SCOPED_TRACE(Kind<SampledMode>::k_name);
+      int bounded = 0;
+      double closest = 0;
+      for (unsigned trial = 0; trial < 500; ++trial) {
+        Random r(trial);
+        SampledField field;
+        Kind<SampledMode> warp = random_kind<Kind>(r);
+        if constexpr (requires { warp.rate; }) warp.rate *= 60; // degrees
+        Point<SampledMode> point;
+        point.radius = 10, point.weight = 2;
+        warp.child = add(field, point);
+        add(field, warp);
+        const FieldProgram program = compile(std::move(field), 1);
+        ASSERT_EQ(program.spaces.size(), 2u);
+        const float size = float(r.log_uniform(1e-3, 0.3));
+        const Vec3 centre = kelpie::random_point(r, 1.5);
+        const Box3 box{centre - size, centre + size};
+        const double most = turning(program, 1, box);
+        if (!(most < 1e6)) continue; // torn, or creased
+        ++bounded;
+        const auto derivative = [&] {
+          const Vec3d p(random_point(r, box));
+          using D = Dual<double, 3>;
+          SpacePoints<D> points;
+          points.begin(program);
+          const Point3<D> q = points.at(program, 1, {D::variable(p.x, 0), D::variable(p.y, 1), D::variable(p.z, 2)});
+          return std::array{q.x.d, q.y.d, q.z.d};
+        };
+        for (int i = 0; i < 10; ++i) {
+          const auto a = derivative(), b = derivative();
+          double sum = 0;
+          for (size_t row = 0; row < 3; ++row)
+            for (size_t column = 0; column < 3; ++column) sum += square(a[row][column] - b[row][column]);
+          EXPECT_LE(std::sqrt(sum), most + 1e-9) << trial;
+          if (most > 1e-6) closest = std::max(closest, std::sqrt(sum) / most);
+        }
+      }
+      EXPECT_GT(bounded, 150);
+      EXPECT_GT(closest, 0.3);
+    }
+  });
 }
 
 } // namespace

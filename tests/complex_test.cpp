@@ -4,7 +4,7 @@
 #include "renderer/program/evaluate.h"
 #include "renderer/program/expand.h"
 #include "scene/scene.h"
-#include "tests/support/judge_rays.h"
+#include "tests/support/random_scene.h"
 #include "tests/support/scene_folder.h"
 
 namespace kelpie {

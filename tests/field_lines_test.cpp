@@ -122,6 +122,36 @@ double past_line_of_r_union(Random& r) {
   return most;
 }
 
+/// The same for any join of fields that lie between two lines each.
+double past_lines_of_join(Random& r, TreeStep::Kind kind) {
+  const auto count = kind == TreeStep::Kind::local_blend ? uint32_t(3 + r.below(3)) : 2u; // with its region
+  const auto threshold = float(r.log_uniform(0.3, 3));
+  const TreeStep step{kind, 0, count, false, float(r.log_uniform(0.3, 30))};
+  const double largest = (r.below(2) ? 1.2 : 4) * double(threshold);
+  std::vector<Slope> fields(count);
+  for (Slope& f : fields) {
+    const double lowest = r.below(3) ? 0 : -largest; // a weight may be negative; often one does not reach
+    const double a = r.below(6) ? r.uniform(lowest, largest) : 0, b = r.below(6) ? r.uniform(lowest, largest) : 0;
+    const double wide = r.below(3) ? r.log_uniform(1e-3, 1) * largest : 0;
+    f.high = line(a, b), f.low = line(a - r.uniform(0, wide), b - r.uniform(0, wide)), f.value = f.high.middle();
+  }
+  const Slope joined = join_slopes<true>(step, threshold, [&](uint32_t i) -> const Slope& { return fields[i]; });
+  double most = 0;
+  for (int i = 0; i < k_places; ++i) {
+    const float u = float(i) / (k_places - 1);
+    std::vector<Slope> at_u(count);
+    for (uint32_t j = 0; j < count; ++j) {
+      const float share = r.below(3) ? float(r.uniform(0, 1)) : float(r.below(2)); // often at one end
+      at_u[j].value = set(std::lerp(at(fields[j].low, u), at(fields[j].high, u), share));
+      at_u[j].low = at_u[j].high = {at_u[j].value, at_u[j].value};
+    }
+    const Slope here = join_slopes<true>(step, threshold, [&](uint32_t j) -> const Slope& { return at_u[j]; });
+    const float f = hn::GetLane(here.value);
+    most = std::max({most, double(f - at(joined.high, u)), double(at(joined.low, u) - f)});
+  }
+  return most / largest;
+}
+
 } // namespace HWY_NAMESPACE
 } // namespace kelpie
 HWY_AFTER_NAMESPACE();
@@ -148,6 +178,27 @@ TEST(FieldLines, AnRUnionLiesBelowItsLine) {
   Random r(1);
   for (int trial = 0; trial < 50'000; ++trial) ASSERT_LT(HWY_STATIC_DISPATCH(past_line_of_r_union)(r), 1e-5) << trial;
 }
+
+struct Join {
+  const char* name;
+  TreeStep::Kind kind;
+};
+
+class Joins : public testing::TestWithParam<Join> {};
+
+// Lines above and below the operands make lines above and below what joins them.
+TEST_P(Joins, LieBetweenTheirLines) {
+  Random r(1);
+  for (int trial = 0; trial < 30'000; ++trial) ASSERT_LT(HWY_STATIC_DISPATCH(past_lines_of_join)(r, GetParam().kind), 1e-5) << trial;
+}
+
+using Kind = TreeStep::Kind;
+INSTANTIATE_TEST_SUITE_P(FieldLines, Joins,
+                         testing::Values(Join{"sum", Kind::sum}, Join{"maximum", Kind::maximum}, Join{"minimum", Kind::minimum},
+                                         Join{"difference", Kind::difference}, Join{"r_union", Kind::r_union},
+                                         Join{"r_intersection", Kind::r_intersection}, Join{"r_difference", Kind::r_difference},
+                                         Join{"hyper_blend", Kind::hyper_blend}, Join{"local_blend", Kind::local_blend}),
+                         [](const auto& join) { return join.param.name; });
 
 } // namespace
 } // namespace kelpie

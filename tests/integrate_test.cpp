@@ -1,13 +1,12 @@
 // Light transport against what is known in closed form.
-#include <atomic>
 #include <cmath>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
 #include "renderer/film/pixel_filter.h"
-#include "renderer/integrate/integrate.h"
 #include "renderer/integrate/sample_batch.h"
+#include "tests/support/render.h"
 
 namespace kelpie {
 namespace {
@@ -110,16 +109,6 @@ FrameScene blob_in_white(SurfaceKinds::Variant<SampledMode> surface) {
   return scene;
 }
 
-IntegrateResult render(const FrameScene& scene) {
-  Diagnostics diagnostics;
-  EnvironmentCache cache;
-  const std::vector<Light> lights = make_lights(scene, cache, diagnostics);
-  const std::atomic<bool> stop{false};
-  const Tracer tracer(scene);
-  return integrate(
-      scene, tracer, lights, {0, 0, scene.film.resolution.x, scene.film.resolution.y}, [](double) {}, stop);
-}
-
 // A convex body in light that is the same from everywhere reflects its albedo, at every bounce limit.
 TEST(Integrate, WhiteFurnace) {
   for (const int bounces : {0, 1, 4})
@@ -218,12 +207,7 @@ TEST(Integrate, AnyNumberOfThreadsAndAnyCropMakeTheSamePixels) {
   EXPECT_EQ(reds[0], reds[1]);
   EXPECT_EQ(reds[0], reds[2]);
 
-  Diagnostics diagnostics;
-  EnvironmentCache cache;
-  const std::vector<Light> lights = make_lights(scene, cache, diagnostics);
-  const std::atomic<bool> stop{false};
-  const IntegrateResult crop = integrate(
-      scene, Tracer(scene), lights, {13, 9, 31, 22}, [](double) {}, stop);
+  const IntegrateResult crop = render(scene, {13, 9, 31, 22});
   for (int y = 9; y < 22; ++y)
     for (int x = 13; x < 31; ++x) ASSERT_EQ(crop.image.find("R")->pixels[crop.image.index(x, y)], reds[0][size_t(y * 48 + x)]);
 }

@@ -1,6 +1,6 @@
 // Rays that go straight through several shapes, nested, overlapping and touching: at each surface they know
 // what they enter or leave, and between surfaces what they are in. The reference judges every stretch.
-#include "tests/support/judge_rays.h"
+#include "tests/support/examination.h"
 
 namespace kelpie {
 namespace {
@@ -26,7 +26,7 @@ SampledField ball(const Vec3& centre, double radius) {
 }
 
 struct WalkTally {
-  int surfaces = 0, wrong_surfaces = 0, wrong_sides = 0, endless = 0, deepest = 0;
+  int surfaces = 0, wrong_surfaces = 0, sides = 0, wrong_sides = 0, endless = 0, deepest = 0, in_packets = 0;
 };
 
 class Walker {
@@ -43,7 +43,7 @@ public:
       tally.deepest = std::max(tally.deepest, depth);
       Hit hit;
       const bool found = tracer_.intersect(ray, counters, hit);
-      check_packet(ray, found, hit);
+      check_packet(ray, found, hit, tally);
       check_surface(ray, found, hit, tally);
       if (!found) return;
       EXPECT_EQ(hit.is_leaving, ray.inside.contains(hit.shape));
@@ -78,18 +78,19 @@ private:
       const double f = value_at(s, ray.origin) / k_threshold;
       depth += ray.inside.contains(uint32_t(s));
       // Within the offset of a surface that the ray did not stop at, the next answer sets things right.
-      if (std::abs(f - 1) > 0.05) tally.wrong_sides += ray.inside.contains(uint32_t(s)) != (f > 1);
+      if (std::abs(f - 1) > 0.05) ++tally.sides, tally.wrong_sides += ray.inside.contains(uint32_t(s)) != (f > 1);
     }
     return depth;
   }
 
   /// In a packet the ray gets the same answer but for rounding.
-  void check_packet(const Ray& ray, bool found, const Hit& hit) const {
+  void check_packet(const Ray& ray, bool found, const Hit& hit, WalkTally& tally) const {
     SolveCounters counters;
     Hit again;
     const bool found_again = tracer_.intersect(std::span(&ray, 1), counters, &again) != 0;
     if (found != found_again || !found || hit.shape != again.shape) return; // a graze may go either way
     EXPECT_EQ(hit.is_leaving, again.is_leaving);
+    ++tally.in_packets;
   }
 
   /// No surface of any shape may be passed over before the answer, and the answer must be one.
@@ -123,6 +124,8 @@ void expect_right(const std::vector<SampledField>& fields, int rays, WalkTally& 
   EXPECT_EQ(tally.wrong_surfaces, 0);
   EXPECT_EQ(tally.wrong_sides, 0);
   EXPECT_EQ(tally.endless, 0);
+  EXPECT_GT(tally.sides, 2 * tally.surfaces);
+  EXPECT_GE(tally.in_packets, tally.surfaces - 2 - tally.surfaces / 1000);
   met.surfaces += tally.surfaces, met.deepest = std::max(met.deepest, tally.deepest);
 }
 

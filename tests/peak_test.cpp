@@ -188,9 +188,33 @@ TEST(FieldsPeaks, AreBoundedSoundly) {
   EXPECT_LT(count[size_t(Surface::unknown)], 100);
 }
 
+// No leaf of any kind is anywhere more than it is said to be at most.
+TEST(FieldsPeaks, OfLeavesAreBounded) {
+  FieldKinds::for_each([]<template <class> class Kind>() {
+    if constexpr (Skeleton<Kind<SampledMode>>) {
+      SCOPED_TRACE(Kind<SampledMode>::k_name);
+      double closest = 0;
+      for (unsigned trial = 0; trial < 60; ++trial) {
+        Random r(trial);
+        SampledField field;
+        field.nodes.emplace_back(random_kind<Kind>(r));
+        const FieldProgram program = compile(std::move(field), r.log_uniform(0.5, 2));
+        const double most = peak_of_weakest_leaf(program);
+        for (int i = 0; i < 100 && std::isfinite(most); ++i) {
+          const Vec3d p = r.in(intersect(program.support, Box3d{Vec3d(-4), Vec3d(4)}));
+          const double f = evaluate(program, program.code, Point3<double>{p.x, p.y, p.z});
+          ASSERT_LE(f, most * (1 + 1e-6)) << trial;
+          closest = std::max(closest, f / most);
+        }
+      }
+      EXPECT_GT(closest, 0.4);
+    }
+  });
+}
+
 // Random soft leaves in a blend: a little below their peak there is a surface, a little above there is none.
 TEST(FieldsPeaks, AreFoundAsNearAsIsSaid) {
-  int hard = 0;
+  int hard = 0, compared = 0;
   for (unsigned trial = 0; trial < 200; ++trial) {
     SCOPED_TRACE(trial);
     Random r(trial);
@@ -208,10 +232,12 @@ TEST(FieldsPeaks, AreFoundAsNearAsIsSaid) {
     const double peak = peak_of(compile(field, 1), work);
     if (!(peak > 0)) continue;
     if (work <= 0 && ++hard) continue;
+    ++compared;
     EXPECT_EQ(find_surface(compile(field, peak * 0.998), work = k_work), Surface::present);
     EXPECT_EQ(find_surface(compile(field, peak * 1.0001), work = k_work), Surface::none);
   }
   EXPECT_LT(hard, 10);
+  EXPECT_GT(compared, 150);
 }
 
 } // namespace

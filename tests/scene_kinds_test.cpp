@@ -97,6 +97,7 @@ void for_all_within_a_scene(const Visitor& visit) {
 
 TEST(EveryKind, IsReadFromItsLeastTextWithTheTablesDefaults) {
   const SceneFolder folder;
+  int defaults_read = 0;
   for_all_within_a_scene([&](const auto& c) {
     using T = typename std::decay_t<decltype(c)>::Type;
     const Place place = place_of(c.group, minimal_json<T>(c.is_kind));
@@ -108,8 +109,10 @@ TEST(EveryKind, IsReadFromItsLeastTextWithTheTablesDefaults) {
     for_each_parameter<T>([&](const auto& row) {
       if (row.is_required || place.scene.find(fmt::format("\"{}\": 2", row.name)) != std::string::npos) return; // it says so
       EXPECT_EQ(json_text(read.*(row.member)), json_text(defaults.*(row.member))) << T::k_name << "." << row.name;
+      ++defaults_read;
     });
   });
+  EXPECT_GT(defaults_read, 100);
 }
 
 TEST(EveryParameter, RefusesWhatItIsNot) {
@@ -160,6 +163,7 @@ TEST(EveryParameter, KeepsToItsRange) {
 
 TEST(EveryParameter, ThatMayBeAnimatedTakesACurve) {
   const SceneFolder folder;
+  int curves = 0;
   for_all_within_a_scene([&](const auto& c) {
     using T = typename std::decay_t<decltype(c)>::Type;
     const Place place = place_of(c.group, minimal_json<T>(c.is_kind));
@@ -175,10 +179,12 @@ TEST(EveryParameter, ThatMayBeAnimatedTakesACurve) {
           EXPECT_EQ(read.keys().size(), 2u);
           EXPECT_EQ(json_text(read.interpolation()), fmt::format("\"{}\"", how));
           EXPECT_EQ(json_text(read), value);
+          ++curves;
         }
       }
     });
   });
+  EXPECT_GT(curves, 300);
 }
 
 TEST(Lists, OfPlacesMayMoveOneByOne) {

@@ -5,24 +5,15 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/every_kind.h"
-#include "tests/support/judge_rays.h"
+#include "tests/support/examination.h"
 
 namespace kelpie {
 namespace {
 
 constexpr int k_rays = 10000;
 
-void expect_exact(const BlobCloud& cloud) {
-  Examination examination(field_of(cloud), 1, k_rays);
-  for (const Way way : {Way::alone, Way::in_packets}) {
-    SCOPED_TRACE(way == Way::alone ? "alone" : "in packets");
-    const Tally tally = examination.judge(way);
-    EXPECT_EQ(tally.missed, 0);
-    EXPECT_EQ(tally.false_hits, 0);
-    EXPECT_EQ(tally.disagreeing_shadows, 0);
-    EXPECT_EQ(tally.wrong_normals, 0);
-    EXPECT_GT(tally.hits, k_rays / 10);
-  }
+void expect_exact(const BlobCloud& cloud, int rays = k_rays, const CellLimits& limits = {}) {
+  expect_right(judge_both_ways({field_of(cloud), 1, rays, limits}));
 }
 
 TEST(Tracer, CoincidentBlobs) { expect_exact(coincident_cloud(Falloff::quartic)); }
@@ -38,22 +29,19 @@ TEST(Tracer, TinyBlobsInLongCells) {
   }
   CellLimits one_cell;
   one_cell.sparse_side = 1e9f;
-  const Tally tally = judge_rays(field_of(cloud), 1, k_rays, one_cell);
-  EXPECT_EQ(tally.missed, 0);
-  EXPECT_EQ(tally.false_hits, 0);
-  EXPECT_GT(tally.hits, k_rays / 10);
+  // From within a blob a thousand times smaller than its cell the answer is a little less exact than elsewhere: rays that start
+  // at the surface are judged in cells of the usual size.
+  Examination examination(field_of(cloud), 1, k_rays, one_cell);
+  for (const Way way : {Way::alone, Way::in_packets}) expect_right(examination.judge(way));
+  expect_exact(cloud);
 }
 
 TEST(Tracer, TheCoarsestCells) {
   CellLimits coarsest;
   while (make_coarser(coarsest)) {
   }
-  for (const BlobCloud& cloud : {coincident_cloud(Falloff::quartic), thin_cloud(Falloff::quartic), negative_cloud(Falloff::wyvill)}) {
-    const Tally tally = judge_rays(field_of(cloud), 1, 3000, coarsest);
-    EXPECT_EQ(tally.missed, 0);
-    EXPECT_EQ(tally.false_hits, 0);
-    EXPECT_GT(tally.hits, 300);
-  }
+  for (const BlobCloud& cloud : {coincident_cloud(Falloff::quartic), thin_cloud(Falloff::quartic), negative_cloud(Falloff::wyvill)})
+    expect_exact(cloud, 3000, coarsest);
 }
 
 TEST(Tracer, OtherFalloffsAndMixtures) {
@@ -68,30 +56,27 @@ TEST(Tracer, OtherFalloffsAndMixtures) {
 }
 
 TEST(Tracer, TreesOfEverything) {
-  constexpr int k_trees = 500, k_rays_a_tree = 200;
-  int hits = 0;
-  for (int trial = 0; trial < k_trees; ++trial) {
+  constexpr int k_trees = 500, k_rays_a_tree = 100;
+  Tallies all;
+  for (int trial = 0; trial < k_trees && !HasFailure(); ++trial) {
     SCOPED_TRACE(trial);
     Random r(trial);
     SampledField field;
     random_tree(r, 1 + trial % 3, field);
-    Examination examination(field, trial % 2 ? 1.f : 0.6f, k_rays_a_tree, trial % 4 < 2 ? CellLimits{} : k_small_cells);
-    for (const Way way : {Way::alone, Way::in_packets}) {
-      if (way == Way::in_packets && trial % 5) continue; // cells of code take the same solver
-      const Tally tally = examination.judge(way);
-      EXPECT_EQ(tally.missed, 0);
-      EXPECT_EQ(tally.false_hits, 0);
-      EXPECT_EQ(tally.disagreeing_shadows, 0);
-      if (way == Way::alone) hits += tally.hits;
-    }
+    all += judge_both_ways({field, trial % 2 ? 1.f : 0.6f, k_rays_a_tree, trial % 4 < 2 ? CellLimits{} : k_small_cells});
+    expect_nothing_wrong(all);
   }
-  EXPECT_GT(hits, k_trees * k_rays_a_tree / 10);
+  expect_right(all);
 }
 
 TEST(Tracer, AFieldThatNeverReachesTheThresholdIsNothing) {
   Examination examination(field_of({Blob{Vec3(0), 1, 0.9f, Falloff::quartic}}), 1, 200);
-  EXPECT_EQ(examination.judge(Way::alone).hits, 0);
-  EXPECT_EQ(examination.judge(Way::in_packets).hits, 0);
+  for (const Way way : {Way::alone, Way::in_packets}) {
+    const Tally tally = examination.judge(way);
+    expect_nothing_wrong(tally);
+    EXPECT_EQ(tally.asked, 200);
+    EXPECT_EQ(tally.hits, 0);
+  }
 }
 
 /// Every bit of an answer.
@@ -142,12 +127,11 @@ TEST(Tracer, APacketIsNoMoreThanItsRays) {
     ask(examination.tracer(), Way::alone, questions);
     for (size_t i = 0; i < first.size(); ++i) {
       hits += first[i].found;
-      // Rays that graze within the negligible may be answered either way.
       far_apart += first[i].found != questions[i].found || std::abs(first[i].hit.t - questions[i].hit.t) > 1e-5f * examination.size();
     }
   }
   EXPECT_GT(hits, 5000u);
-  EXPECT_LE(far_apart, hits / 2000);
+  EXPECT_EQ(far_apart, 0u) << "of " << hits;
 }
 
 } // namespace

@@ -4,8 +4,9 @@
 #include <cstring>
 #include <limits>
 
-#include <tbb/parallel_for.h>
 #include <xxhash.h>
+
+#include "base/parallel.h"
 
 namespace kelpie {
 
@@ -58,7 +59,7 @@ void DistanceGrid::fill(const Distance& distance) {
   bricks_.resize(total);
   std::vector<std::vector<float>> samples(total);
   const double reach = 0.5 * std::sqrt(3.0) * k_cells * voxel_ + band_;
-  tbb::parallel_for(size_t(0), total, [&](size_t i) {
+  parallel_for(size_t(0), total, [&](size_t i) {
     const Place b = place(i);
     const double d = distance(box_.lower + voxel_ * k_cells * (Vec3d(b[0], b[1], b[2]) + 0.5), reach);
     if (std::abs(d) >= reach * (1 - 1e-9))
@@ -70,7 +71,7 @@ void DistanceGrid::fill(const Distance& distance) {
   for (;;) {
     const std::vector<Place> torn = torn_bricks(samples);
     if (torn.empty()) break;
-    tbb::parallel_for(size_t(0), torn.size(), [&](size_t i) { samples[index(torn[i])] = sample(torn[i], distance); });
+    parallel_for(size_t(0), torn.size(), [&](size_t i) { samples[index(torn[i])] = sample(torn[i], distance); });
   }
   for (size_t i = 0; i < total; ++i)
     if (!samples[i].empty()) {

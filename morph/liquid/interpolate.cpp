@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
-
+#include "base/parallel.h"
 #include "morph/liquid/match.h"
 #include "morph/liquid/volume.h"
 
@@ -81,7 +80,7 @@ void LiquidMorph::find_gains() {
   const double first = grid.volume(from_), last = grid.volume(to_);
   gain_.assign(k_gain_steps + 1, 1.f);
   if (first == 0 || last == 0) return; // an end without a surface: nothing to be linear between
-  tbb::parallel_for(1, k_gain_steps, [&](int i) {
+  parallel_for(1, k_gain_steps, [&](int i) {
     const float u = static_cast<float>(i) / k_gain_steps;
     BlobCloud cloud;
     append_parts(u, 1, cloud);

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
-
+#include "base/parallel.h"
 namespace kelpie {
 
 namespace {
@@ -58,8 +57,8 @@ public:
       const bool is_last = blur_ <= k_last_blur;
       for (int sweep = 0; sweep < (is_last ? k_last_sweeps : k_sweeps); ++sweep) {
         // Each entry is its own sum: threads change nothing.
-        tbb::parallel_for(size_t{0}, b.size(), [&](size_t j) { g_[j] = soft_min(a_, f_, [&](size_t i) { return cost(i, j); }); });
-        tbb::parallel_for(size_t{0}, a.size(), [&](size_t i) { f_[i] = soft_min(b_, g_, [&](size_t j) { return cost(i, j); }); });
+        parallel_for(size_t{0}, b.size(), [&](size_t j) { g_[j] = soft_min(a_, f_, [&](size_t i) { return cost(i, j); }); });
+        parallel_for(size_t{0}, a.size(), [&](size_t i) { f_[i] = soft_min(b_, g_, [&](size_t j) { return cost(i, j); }); });
       }
       if (is_last) break;
     }

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
+#include "base/parallel.h"
 #include "renderer/cells/cells.h"
 #include "renderer/cells/tighten.h"
 #include "renderer/program/bound.h"
@@ -95,7 +95,7 @@ private:
       return;
     }
     std::array<ShapeCells, 8> parts;
-    tbb::parallel_for(size_t(0), count, [&](size_t i) { build(children[i], code, depth + 1, parts[i]); });
+    parallel_for(size_t(0), count, [&](size_t i) { build(children[i], code, depth + 1, parts[i]); });
     size_t cells = 0; // growing step by step would copy what is large
     for (const ShapeCells& part : parts) cells += part.cells.size();
     out.cells.reserve(out.cells.size() + cells);

@@ -7,8 +7,7 @@
 #include <numeric>
 #include <optional>
 
-#include <tbb/parallel_for.h>
-
+#include "base/parallel.h"
 #include "renderer/film/pixel_filter.h"
 #include "renderer/integrate/camera_rays.h"
 #include "renderer/integrate/sample_batch.h"
@@ -293,7 +292,7 @@ IntegrateResult integrate(const FrameScene& frame, const Tracer& tracer, const s
   result.image = FrameImage(frame.film.resolution, window);
   FrameIntegrator integrator(frame, tracer, lights, window, result);
   const int columns = (window.width() + k_tile - 1) / k_tile, rows = (window.height() + k_tile - 1) / k_tile;
-  tbb::parallel_for(0, columns * rows, [&](int tile) {
+  parallel_for(0, columns * rows, [&](int tile) {
     if (stop) return;
     integrator.tile(window.x0 + tile % columns * k_tile, window.y0 + tile / columns * k_tile);
     progress(1.0 / (columns * rows));

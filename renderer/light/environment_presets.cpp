@@ -3,8 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <tbb/parallel_for.h>
-
+#include "base/parallel.h"
 #include "colour/spaces.h"
 #include "renderer/light/environment_map.h"
 
@@ -88,7 +87,7 @@ Vec3 sky(const Vec3& d) {
 template <class Function>
 EnvironmentMap paint(int width, int height, Function&& colour) {
   std::vector<Vec3> texels(size_t(width) * size_t(height));
-  tbb::parallel_for(0, height, [&](int row) {
+  parallel_for(0, height, [&](int row) {
     const float theta = k_pi * (float(row) + 0.5f) / float(height);
     for (int column = 0; column < width; ++column) {
       const float phi = 2 * k_pi * ((float(column) + 0.5f) / float(width) - 0.5f);

@@ -12,6 +12,8 @@
 #include <pmmintrin.h>
 #include <xmmintrin.h>
 
+#include "base/parallel.h"
+
 namespace kelpie {
 
 void flush_denormals_in_this_thread() {
@@ -31,6 +33,7 @@ struct Window {
   const ShapeCells* shape;
   uint32_t first; ///< of ShapeCells::cells
   std::span<const Cell> cells;
+  mutable HandOver to_builders; ///< to the threads in which Embree asks for bounds
 };
 
 struct CellScene::State {
@@ -60,7 +63,9 @@ struct Query {
 };
 
 void cell_bounds(const RTCBoundsFunctionArguments* args) {
-  const Box3& box = static_cast<const Window*>(args->geometryUserPtr)->cells[args->primID].box;
+  const Window& window = *static_cast<const Window*>(args->geometryUserPtr);
+  window.to_builders.take();
+  const Box3& box = window.cells[args->primID].box;
   // A hair wider: where Embree does not look, clip() must not either, in or out of a packet.
   const Vec3 pad = 1e-6f * glm::max(glm::abs(box.lower), glm::abs(box.upper)) + 1e-12f;
   RTCBounds& out = *args->bounds_o;
@@ -213,6 +218,7 @@ void for_each_slab(std::span<const Ray> rays, std::span<const RTCScene> scenes, 
 void attach(RTCDevice device, std::span<const RTCScene> scenes, const Window& window, unsigned index) {
   if (window.cells.empty()) return;
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+  window.to_builders.give();
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(window.cells.size()));
   rtcSetGeometryUserData(geometry, const_cast<Window*>(&window));
   rtcSetGeometryBoundsFunction(geometry, cell_bounds, nullptr);
@@ -251,7 +257,7 @@ CellScene::CellScene(std::vector<Slabs> shapes) : state_(std::make_unique<State>
     for (const auto& shape : s.shapes[i])
       for (size_t j = 0; j < shape->windows(); ++j, first_scene += share) {
         const std::span<const Cell> cells = shape->cells_in(j);
-        s.windows.push_back({shape.get(), static_cast<uint32_t>(cells.data() - shape->cells.data()), cells});
+        s.windows.push_back({shape.get(), static_cast<uint32_t>(cells.data() - shape->cells.data()), cells, {}});
         attach(s.device, std::span(s.scenes).subspan(first_scene, share), s.windows.back(), i);
       }
   }

@@ -14,4 +14,10 @@ Verdict judge(const Profile& profile, double threshold, double scene_size, doubl
   return is_near ? Verdict::right : Verdict::false_hit;
 }
 
+bool is_right_shadow(const Profile& profile, double threshold, double scene_size, bool is_dark, Tolerance tolerance) {
+  if (is_dark) return reaches(profile, threshold * (1 - tolerance.field), profile.front().from, profile.back().to);
+  const auto spans = above(profile, threshold * (1 + tolerance.field));
+  return std::none_of(spans.begin(), spans.end(), [&](const Span& s) { return s.to - s.from > tolerance.length * scene_size; });
+}
+
 } // namespace reference

@@ -18,4 +18,7 @@ enum class Verdict { right, missed, false_hit };
 /// precision); the profile covers the ray from its entry into the scene's box to its exit.
 Verdict judge(const Profile&, double threshold, double scene_size, double t_answer, Tolerance = {});
 
+/// Whether it is right that the part of a ray that the profile covers meets something (is dark), or nothing.
+bool is_right_shadow(const Profile&, double threshold, double scene_size, bool is_dark, Tolerance = {});
+
 } // namespace reference

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "tests/support/every_kind.h"
-#include "tests/support/judge_rays.h"
+#include "tests/support/examination.h"
 
 namespace kelpie {
 
@@ -10,6 +10,21 @@ namespace kelpie {
 struct MovingField {
   SampledField start, end;
 };
+
+/// What may move of a cloud's blobs.
+enum class Moves { centres, everything, some };
+
+inline MovingField moving_cloud(BlobCloud start, double reach, Moves moves) {
+  Random r(5);
+  BlobCloud end = start;
+  for (size_t i = 0; i < end.size(); ++i) {
+    if (moves == Moves::some && i % 3) continue;
+    Blob& b = end[i];
+    b.centre += Vec3(r.direction() * r.uniform(0, reach * b.radius));
+    if (moves == Moves::everything) b.radius *= float(r.uniform(0.8, 1.2)), b.weight *= float(r.uniform(0.8, 1.2));
+  }
+  return {field_of(start), field_of(end)};
+}
 
 /// Numbers move linearly from one to the other.
 inline SampledField moving_field_at(const MovingField& field, double u) {
@@ -43,6 +58,23 @@ inline FrameScene moving_scene(const MovingField& field, std::array<float, 2> th
   };
   FrameScene scene = moment(0.5);
   scene.moment = moment, scene.camera.shutter = 1;
+  return scene;
+}
+
+/// A point of radius 1 that moves along a curve, about a frame.
+inline FrameScene point_scene(const Animated<Vec3>& centre, float shutter, double frame = 10) {
+  const auto moment = [centre](double at) {
+    Point<SampledMode> point;
+    point.centre = centre.at(at), point.radius = 1, point.weight = 2;
+    SampledField field;
+    add(field, point);
+    FrameScene scene = scene_of(field);
+    scene.frame = at;
+    return scene;
+  };
+  FrameScene scene = moment(frame);
+  scene.moment = moment, scene.camera.shutter = shutter;
+  for (const auto& key : centre.keys()) scene.breaks.push_back(key.frame);
   return scene;
 }
 
@@ -88,44 +120,15 @@ inline reference::NodePtr reference_between(const reference::Node& a, const refe
   return out;
 }
 
-/// The reference's picture at a time.
-using ReferenceAt = std::function<reference::NodePtr(double time)>;
-
-/// Random rays, alone and in packets.
-inline Tally judge_moving_rays(const MovingField& field, std::array<float, 2> thresholds, int rays, CellLimits limits,
-                               const ReferenceAt& reference_at) {
+/// Random rays at random times, and rays from where they hit, alone and in packets.
+inline Tallies judge_moving_rays(const MovingField& field, std::array<float, 2> thresholds, int rays, CellLimits limits,
+                                 const std::function<reference::NodePtr(double time)>& node_at) {
   limits.slabs = 1; // within one slab the engine's motion is exactly what is said above
-  const FrameScene scene = moving_scene(field, thresholds);
-  const Tracer tracer(scene, limits);
-  Box3 box = tracer.bounds();
-  if (box.is_empty()) box = {Vec3(-1), Vec3(1)};
-  box = box.padded(0.01f * box.diagonal());
-  std::vector<Question> questions;
-  std::vector<reference::NodePtr> nodes;
-  const auto threshold_of = [&](const Ray& ray) { return interpolate(thresholds[0], thresholds[1], ray.time); };
-  for (int i = 0; i < rays; ++i) {
-    Random r(i);
-    Question q{};
-    const auto time = float(r.uniform(0, 1));
-    const reference::NodePtr node = reference_at(time);
-    std::vector<reference::Leaf> leaves;
-    collect_leaves(*node, leaves);
-    q.ray = random_ray(r, box, leaves, i % 4 != 0);
-    q.ray.time = time;
-    q.at_origin = value(*node, reference_of(q.ray.origin), threshold_of(q.ray)) / threshold_of(q.ray);
-    if (std::abs(q.at_origin - 1) < 0.01) continue; // neither outside nor inside
-    if (q.at_origin > 1) q.ray.inside.add(0);       // the only shape
-    questions.push_back(q), nodes.push_back(node);
-  }
-  Tally tally;
-  for (const Way way : {Way::alone, Way::in_packets}) {
-    ask(tracer, way, questions);
-    for (size_t i = 0; i < questions.size(); ++i) judge_answer(questions[i], *nodes[i], threshold_of(questions[i].ray), box, tally);
-  }
-  return tally;
+  const PictureAt picture_at = [&](double time) { return Picture{node_at(time), interpolate(thresholds[0], thresholds[1], time)}; };
+  return judge_both_ways({moving_scene(field, thresholds), limits, picture_at, {.count = rays, .have_times = true}});
 }
 
-inline Tally judge_moving_rays(const MovingField& field, std::array<float, 2> thresholds, int rays, const CellLimits& limits = {}) {
+inline Tallies judge_moving_rays(const MovingField& field, std::array<float, 2> thresholds, int rays, const CellLimits& limits = {}) {
   const reference::NodePtr start = with_warps_at_leaves(*reference_of(field.start)), end = with_warps_at_leaves(*reference_of(field.end));
   return judge_moving_rays(field, thresholds, rays, limits, [&](double time) { return reference_between(*start, *end, time); });
 }
