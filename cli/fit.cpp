@@ -43,12 +43,18 @@ void fit(const Options& options) {
 
 void add_fit_options(CLI::App& command, FitCommandOptions& o) {
   command.add_option("--blobs", o.blobs, "how many blobs to fit [500, or fewer where they are as good]")->check(CLI::Range(1, 20'000));
+  command
+      .add_option(
+          "--weld", o.weld,
+          "vertices on open borders that are nearer to each other than this are one [a 10,000th of the mesh's diagonal, or a quarter "
+          "of the shortest edge at either]")
+      ->check(CLI::NonNegativeNumber);
 }
 
 FitResult fit_and_report(const std::string& mesh_path, const FitCommandOptions& options) {
   Diagnostics diagnostics;
-  FitResult r =
-      fit_mesh_file(mesh_path, {options.blobs > 0 ? options.blobs : k_usual_blobs, options.blobs == 0}, !options.no_cache, diagnostics);
+  const FitOptions how{options.blobs > 0 ? options.blobs : k_usual_blobs, options.blobs == 0, options.weld};
+  FitResult r = fit_mesh_file(mesh_path, how, !options.no_cache, diagnostics);
   if (r.lost > 0)
     diagnostics.warning({mesh_path, 0, 0}, fmt::format("{:.2g} % of the mesh have no surface near: more blobs may help", 100 * r.lost));
   if (r.spurs > 0)

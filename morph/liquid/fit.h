@@ -9,6 +9,7 @@ namespace kelpie {
 struct FitOptions {
   size_t blobs = 500;
   bool may_use_fewer = true; ///< where fewer are as good: every blob costs time in each frame
+  double weld = 0;           ///< of a mesh file: as in MeshOptions
 };
 
 /// What came of it. Distances are fractions of the mesh's bounding-box diagonal, measured (measure.h) from points of
