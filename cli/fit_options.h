@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "cli/progress.h"
 #include "morph/liquid/fit.h"
 
 namespace kelpie {
@@ -13,6 +14,7 @@ struct FitCommandOptions {
   size_t blobs = 0; ///< 0: 500, or fewer where they are as good
   double weld = 0;  ///< 0: chosen by the mesh
   bool no_cache = false;
+  ProgressMode progress = ProgressMode::automatic;
 };
 
 /// Adds --blobs and --weld.
