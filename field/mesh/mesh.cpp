@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/file_bytes.h"
 #include "field/mesh/edges.h"
@@ -51,16 +52,24 @@ bool is_closed(const Mesh& mesh) {
 }
 
 std::vector<HalfEdge> sorted_half_edges(const std::vector<Triangle>& triangles) {
-  std::vector<HalfEdge> halves;
-  halves.reserve(3 * triangles.size());
-  for (uint32_t t = 0; t < triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
-      halves.push_back({std::min(a, b), std::max(a, b), t, a > b});
+  // First by their low vertex, by counting; each has a few, which are sorted.
+  std::vector<size_t> ends;
+  for (const Triangle& t : triangles)
+    for (size_t k = 0; k < 3; ++k) {
+      const size_t low = std::min(t[k], t[(k + 1) % 3]);
+      if (low >= ends.size()) ends.resize(std::max(low + 1, 2 * ends.size()), 0);
+      ++ends[low];
     }
-  std::sort(halves.begin(), halves.end(), [](const HalfEdge& a, const HalfEdge& b) {
-    return a.low != b.low ? a.low < b.low : a.high != b.high ? a.high < b.high : a.triangle < b.triangle;
-  });
+  std::exclusive_scan(ends.begin(), ends.end(), ends.begin(), size_t{0});
+  std::vector<HalfEdge> halves(3 * triangles.size());
+  for (uint32_t t = 0; t < triangles.size(); ++t)
+    for (size_t k = 0; k < 3; ++k) {
+      const uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
+      halves[ends[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), t, a > b};
+    }
+  for (size_t low = 0, first = 0; low < ends.size(); first = ends[low++])
+    std::sort(halves.begin() + static_cast<std::ptrdiff_t>(first), halves.begin() + static_cast<std::ptrdiff_t>(ends[low]),
+              [](const HalfEdge& a, const HalfEdge& b) { return a.high != b.high ? a.high < b.high : a.triangle < b.triangle; });
   return halves;
 }
 
