@@ -97,23 +97,34 @@ double tree_value(const TreeView& tree, const Vec3d& p, double threshold) {
   return stack.back();
 }
 
-/// The field as a cell has it, by the formulas of cells.h.
-double cell_value(const ShapeCells& shape, const Cell& cell, const Vec3d& p) {
-  if (cell.content == Cell::Content::tree) return tree_value(shape.tree(cell), p - Vec3d(cell.centre), shape.program.threshold);
-  if (cell.content == Cell::Content::code) return evaluate(shape.program, shape.code(cell), Point3<double>{p.x, p.y, p.z});
-  const float* data = cell.data;
-  const size_t n = cell.count;
+/// A sum of blobs that stand, by the formula of blob_list.h.
+double blobs_value(const BlobList& blobs, const Vec3d& p) {
+  EXPECT_FALSE(blobs.form.moves);
   double sum = 0;
-  for (size_t i = 0; i < n; ++i) {
-    const Vec3d d = p - Vec3d(data[i], data[n + i], data[2 * n + i]);
-    const double q = std::max(0.0, data[3 * n + i] - data[4 * n + i] * glm::dot(d, d));
-    const bool is_pure = cell.content == Cell::Content::pure_blobs;
-    sum += is_pure ? q * q : q * q * (data[5 * n + i] + data[6 * n + i] * q);
+  for (size_t i = 0; i < blobs.count; ++i) {
+    const auto number = [&](BlobRow row) { return double(blobs.row(row)[i]); };
+    const Vec3d d = p - Vec3d(number(blob_x), number(blob_y), number(blob_z));
+    const double q = std::max(0.0, number(blob_s) - number(blob_k) * glm::dot(d, d));
+    sum += blobs.form.is_pure ? q * q : q * q * (number(blob_a) + number(blob_b) * q);
   }
   return sum;
 }
 
+/// The field as a cell has it.
+double cell_value(const ShapeCells& shape, const Cell& cell, const Vec3d& p) {
+  switch (cell.content) {
+  case Cell::Content::tree: return tree_value(*cell.tree, p - Vec3d(cell.centre), shape.program.threshold);
+  case Cell::Content::code: return evaluate(shape.program, *cell.code, Point3<double>{p.x, p.y, p.z});
+  case Cell::Content::blobs: return blobs_value(cell.blobs, p);
+  case Cell::Content::moving_tree: break;
+  }
+  ADD_FAILURE() << "it moves";
+  return 0;
+}
+
 Vec3 random_point(Random& r, const Box3& box) { return Vec3(r.in(Box3d{Vec3d(box.lower), Vec3d(box.upper)})); }
+
+bool is_warped(const Cell& cell) { return cell.tree && !cell.tree->spaces.empty(); }
 
 /// Inside and outside are the same as of the whole field at random points of every cell; on the surface so
 /// is the gradient.
@@ -124,7 +135,7 @@ void expect_pruned_equals_full(const SampledField& field, double threshold, cons
   const double noise = precision * threshold; // cells hold float32
   size_t compared = 0;
   for (const Cell& cell : shape.cells) {
-    if (cell.space_count > 0) continue; // below warps
+    if (is_warped(cell)) continue;
     for (int i = 0; i < 8; ++i) {
       const Vec3d p(random_point(r, cell.box));
       const double whole = evaluate(program, program.code, Point3<double>{p.x, p.y, p.z});
@@ -133,7 +144,6 @@ void expect_pruned_equals_full(const SampledField& field, double threshold, cons
       ++compared;
     }
   }
-  const auto is_warped = [](const Cell& cell) { return cell.space_count > 0; };
   EXPECT_TRUE(compared > 0 || std::all_of(shape.cells.begin(), shape.cells.end(), is_warped));
 }
 
@@ -168,23 +178,23 @@ TEST(Cells, BlobsAreSortedByPlace) {
     }
 }
 
-TEST(LeafData, StaysWhereItIs) {
+TEST(CellMemory, StaysWhereItIs) {
   Random r(4);
-  LeafData all, other;
-  std::vector<std::pair<float*, size_t>> stretches;
+  CellMemory all, other;
+  std::vector<std::pair<float*, size_t>> lists;
   size_t numbers = 0;
   for (int i = 0; i < 3000; ++i) {
-    LeafData& data = i % 3 ? all : other;
-    const auto count = static_cast<size_t>(r.uniform(0, i % 500 == 0 ? 1e6 : 2000));
-    if (i % 5 == 0) data.add(77), data.drop(77);
-    float* at = data.add(count);
+    CellMemory& memory = i % 3 ? all : other;
+    const size_t count = 2 * static_cast<size_t>(r.uniform(0, i % 500 == 0 ? 5e5 : 1000));
+    if (i % 5 == 0) memory.add_numbers(77), memory.drop_numbers(77);
+    float* at = memory.add_numbers(count);
     std::fill(at, at + count, float(i));
-    stretches.push_back({at, count}), numbers += count;
+    lists.push_back({at, count}), numbers += count;
   }
   all.join(std::move(other));
   EXPECT_EQ(all.bytes(), numbers * sizeof(float));
-  for (size_t i = 0; i < stretches.size(); ++i) {
-    const auto [at, count] = stretches[i];
+  for (size_t i = 0; i < lists.size(); ++i) {
+    const auto [at, count] = lists[i];
     EXPECT_EQ(std::count(at, at + count, float(i)), std::ptrdiff_t(count));
   }
 }
@@ -225,10 +235,10 @@ TEST(Cells, WhatABoxIsCutBackByIsEmpty) {
     const ShapeCells shape = build_cells(compile(field, threshold));
     Random r(11);
     for (const Cell& cell : shape.cells) {
-      if (cell.space_count > 0 || cell.content == Cell::Content::code) continue;
+      if (is_warped(cell) || cell.content == Cell::Content::code) continue;
       const Box3 part{random_point(r, cell.box), cell.box.upper};
-      const Box3 tight = cell.content == Cell::Content::tree ? tightened_to_tree(part, shape.tree(cell), cell.centre, threshold)
-                                                             : tightened_to_blobs(part, cell.content, cell.data, cell.count, threshold);
+      const Box3 tight = cell.content == Cell::Content::tree ? tightened_to_tree(part, *cell.tree, cell.centre, threshold)
+                                                             : tightened_to_blobs(part, cell.blobs, threshold);
       for (int i = 0; i < 20; ++i) {
         const Vec3 p = random_point(r, part);
         ++compared;
