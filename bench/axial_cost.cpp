@@ -115,11 +115,10 @@ Cost cost_of(const FrameScene& scene) {
   const double start = process_cpu_s();
   const Tracer tracer(scene);
   const double built = process_cpu_s();
-  axis_work() = {};
   const PixelBox all{0, 0, scene.film.resolution.x, scene.film.resolution.y};
   const IntegrateResult result = integrate(
       scene, tracer, lights, all, [](double) {}, stop);
-  return {built - start, process_cpu_s() - built, double(result.rays.camera + result.rays.shadow), axis_work()};
+  return {built - start, process_cpu_s() - built, double(result.rays.camera + result.rays.shadow), result.rays.solve.axis};
 }
 
 void measure(const char* path, int frame, int runs) {

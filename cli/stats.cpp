@@ -33,8 +33,8 @@ void write_render_stats(const std::string& path, unsigned threads, const std::ve
         "\"evaluations\": {},\n     \"solvers\": {{{}}},\n     \"axial\": {{\"inversions\": {}, \"newton_steps\": {}}},\n"
         "     \"nonfinite\": {}, \"engine_mb\": {:.1f}, \"peak_rss_mb\": {:.1f}}}",
         separator, f.frame, f.wall_s, f.build_cpu_s, f.render_cpu_s, r.output_cpu_s, f.rays.camera, f.rays.shadow, f.rays.scatter, f.cells,
-        f.kept_cells, f.coarsenings, f.elements, total.cells, total.evaluations, solvers_text(f.rays.solve), f.axis.inversions,
-        f.axis.newton_steps, f.nonfinite, static_cast<double>(f.engine_bytes) / 1e6, r.peak_rss_mb);
+        f.kept_cells, f.coarsenings, f.elements, total.cells, total.evaluations, solvers_text(f.rays.solve), f.rays.solve.axis.inversions,
+        f.rays.solve.axis.newton_steps, f.nonfinite, static_cast<double>(f.engine_bytes) / 1e6, r.peak_rss_mb);
     separator = ",\n";
   }
   text += "\n  ]\n}\n";

@@ -44,7 +44,6 @@ RenderedFrame render_frame(const Scene& scene, double number, const PixelBox& wi
   int coarsenings = 0;
   const Tracer tracer = build_tracer(frame, context, coarsenings);
   const double cpu_built = process_cpu_s();
-  const AxisWork axis_before = all_axis_work();
   IntegrateResult pixels = integrate(frame, tracer, lights, window, context.progress, context.stop);
   const double cpu_rendered = process_cpu_s();
 
@@ -68,8 +67,7 @@ RenderedFrame render_frame(const Scene& scene, double number, const PixelBox& wi
                tracer.element_count(),
                tracer.bytes(),
                tracer.kept_cell_count(),
-               coarsenings,
-               all_axis_work() - axis_before};
+               coarsenings};
   return out;
 }
 

@@ -1,7 +1,6 @@
 // One frame: scene in, picture out. The renderer's whole way of the data, in one function.
 #pragma once
 
-#include "field/warps/axis_work.h"
 #include "renderer/integrate/integrate.h"
 
 namespace kelpie {
@@ -15,7 +14,6 @@ struct FrameStats {
   size_t cells = 0, elements = 0, engine_bytes = 0;
   size_t kept_cells = 0; ///< of `cells`: as the last frame left them
   int coarsenings = 0;   ///< how often cells were made twice as long, to fit into the memory
-  AxisWork axis;         ///< of axial deformations, while tracing
 };
 
 struct RenderedFrame {

@@ -12,6 +12,9 @@ namespace {
 
 Vec3 random_point(Random& r, const Box3& box) { return Vec3(r.in(Box3d{Vec3d(box.lower), Vec3d(box.upper)})); }
 
+bool is_warped(const Cell& cell) { return cell.tree && !cell.tree->spaces.empty(); }
+bool is_code(const Cell& cell) { return cell.content == Cell::Content::code || cell.content == Cell::Content::moving_tree; }
+
 /// What of the cells was compared with the whole field.
 struct Compared {
   size_t points = 0, gradients = 0;          ///< points: off the surface
@@ -53,7 +56,7 @@ void expect_pruned_equals_full(const ShapeCells& shape, Compared& compared, doub
       (whole > threshold ? inside : outside) = p;
       ASSERT_EQ(whole > threshold, cell_value(shape, cell, p, u) > threshold)
           << "at " << p.x << ' ' << p.y << ' ' << p.z << ", time " << u << ", content " << int(cell.content);
-      ++compared.points, compared.in_warped_cells += cell.space_count > 0, compared.in_motion += program.motion != nullptr;
+      ++compared.points, compared.in_warped_cells += is_warped(cell), compared.in_motion += program.motion != nullptr;
     }
     if (inside && outside) expect_same_gradient(shape, cell, *inside, *outside, u, compared);
   }
@@ -102,23 +105,23 @@ TEST(Cells, BlobsAreSortedByPlace) {
     }
 }
 
-TEST(LeafData, StaysWhereItIs) {
+TEST(CellMemory, StaysWhereItIs) {
   Random r(4);
-  LeafData all, other;
-  std::vector<std::pair<float*, size_t>> stretches;
+  CellMemory all, other;
+  std::vector<std::pair<float*, size_t>> lists;
   size_t numbers = 0;
   for (int i = 0; i < 3000; ++i) {
-    LeafData& data = i % 3 ? all : other;
-    const auto count = static_cast<size_t>(r.uniform(0, i % 500 == 0 ? 1e6 : 2000));
-    if (i % 5 == 0) data.add(77), data.drop(77);
-    float* at = data.add(count);
+    CellMemory& memory = i % 3 ? all : other;
+    const size_t count = 2 * static_cast<size_t>(r.uniform(0, i % 500 == 0 ? 5e5 : 1000));
+    if (i % 5 == 0) memory.add_numbers(77), memory.drop_numbers(77);
+    float* at = memory.add_numbers(count);
     std::fill(at, at + count, float(i));
-    stretches.push_back({at, count}), numbers += count;
+    lists.push_back({at, count}), numbers += count;
   }
   all.join(std::move(other));
   EXPECT_EQ(all.bytes(), numbers * sizeof(float));
-  for (size_t i = 0; i < stretches.size(); ++i) {
-    const auto [at, count] = stretches[i];
+  for (size_t i = 0; i < lists.size(); ++i) {
+    const auto [at, count] = lists[i];
     EXPECT_EQ(std::count(at, at + count, float(i)), std::ptrdiff_t(count));
   }
 }
@@ -187,20 +190,20 @@ protected:
     Random r(11);
     for (const Cell& cell : shape.cells) {
       // Code is not cut back, nor are blobs that grow or fade.
-      if (cell.has_code() || cell.content == Cell::Content::moving_mixed_blobs) continue;
+      if (is_code(cell) || (cell.content == Cell::Content::blobs && cell.blobs.form.moves && !cell.blobs.form.is_pure)) continue;
       const double first = r.uniform(0, 1), last = r.uniform(first, 1);
       const TimeSpan time = program.motion ? TimeSpan{float(first), float(last)} : TimeSpan{};
       const double threshold = threshold_range(program).lo;
       const Box3 part{random_point(r, cell.box), cell.box.upper};
       const Box3 tight = cell.content == Cell::Content::tree
                              ? tightened_to_tree(part, shape.tree(cell), cell.centre, threshold)
-                             : tightened_to_blobs(part, cell.content, cell.data, cell.count, threshold, time);
+                             : tightened_to_blobs(part, cell.blobs, threshold, time);
       for (int i = 0; i < 20; ++i) {
         const Vec3 p = random_point(r, part);
         const double u = program.motion ? r.uniform(double(time.start), double(time.end)) : 0;
         ++points_;
         if (tight.contains(p)) continue;
-        ++cut_, cut_in_warps_ += cell.space_count > 0, cut_in_motion_ += program.motion != nullptr;
+        ++cut_, cut_in_warps_ += is_warped(cell), cut_in_motion_ += program.motion != nullptr;
         ASSERT_LT(cell_value(shape, cell, Vec3d(p), u), threshold) << "time " << u;
       }
     }

@@ -1,5 +1,6 @@
 // Rays that go straight through several shapes, nested, overlapping and touching: at each surface they know
 // what they enter or leave, and between surfaces what they are in. The reference judges every stretch.
+#include "renderer/trace/surroundings.h"
 #include "tests/support/examination.h"
 
 namespace kelpie {

@@ -154,13 +154,13 @@ TEST(MovingBounds, ContainSamples) {
       const double u = r.uniform(0, 1);
       const FieldProgram& now = at(program, program.code, u);
       const Vec3d p = r.in(box), far = r.in(program.support.padded(0.3 * program.support.diagonal()));
-      const double f = evaluate(now, now.code, Point3<double>{p.x, p.y, p.z});
+      const double f = evaluate(now, program.code, Point3<double>{p.x, p.y, p.z});
       EXPECT_LE(ranges.back().lo - 1e-5, f);
       EXPECT_GE(ranges.back().hi + 1e-5, f);
       positive += f > 0;
       if (!program.support.contains(far)) {
         ++outside;
-        EXPECT_LE(evaluate(now, now.code, Point3<double>{far.x, far.y, far.z}), 0);
+        EXPECT_LE(evaluate(now, program.code, Point3<double>{far.x, far.y, far.z}), 0);
       }
     }
     if (HasFailure()) return;
@@ -211,7 +211,7 @@ TEST(Windows, HoldTheSurfaceOfTheirTime) {
       for (int i = 0; i < 60000 && found < 300; ++i) {
         const double u = i % 7 == 0 ? double(i % (windows + 1)) / windows : r.uniform(0, 1);
         const FieldProgram& now = at(shape.program, shape.program.code, u);
-        const auto inside = [&](const Vec3d& p) { return evaluate(now, now.code, Point3<double>{p.x, p.y, p.z}) > 1; };
+        const auto inside = [&](const Vec3d& p) { return evaluate(now, shape.program.code, Point3<double>{p.x, p.y, p.z}) > 1; };
         Vec3d a = r.in(shape.program.support), b = a + r.direction() * r.uniform(0, 0.2);
         if (inside(a) == inside(b)) continue;
         ++found;

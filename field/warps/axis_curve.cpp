@@ -1,8 +1,5 @@
 #include "field/warps/axis_curve.h"
 
-#include <deque>
-#include <mutex>
-
 #include <nanoflann.hpp>
 
 #include "field/warps/axis_work.h"
@@ -14,7 +11,7 @@ namespace {
 constexpr size_t k_tube_samples = 128;
 constexpr double k_lattice_cells = 4096;
 constexpr size_t k_group = 8; ///< steps
-/// Of the angle by which a stretch may turn and have one place only that is nearest to a point of its tube.
+/// Of the angle by which a part of the axis may turn and have one place only that is nearest to a point of its tube.
 constexpr double k_single_cosine = 0.5;
 constexpr int k_most_newton_steps = 60;
 /// A step of Newton's method this short is the last one: what is left is its square.
@@ -34,36 +31,9 @@ double dot_of_abs(const Vec3d& a, const Vec3d& half) { return glm::dot(glm::abs(
 
 } // namespace
 
-namespace {
-
-/// The counters of every thread that ever inverted; threads are few, and those of a pool stay.
-struct AxisWorks {
-  std::mutex mutex;
-  std::deque<AxisWork> all;
-
-  AxisWork& add() {
-    const std::lock_guard lock(mutex);
-    return all.emplace_back();
-  }
-};
-AxisWorks& axis_works() {
-  static AxisWorks works;
-  return works;
-}
-
-} // namespace
-
 AxisWork& axis_work() {
-  thread_local AxisWork& mine = axis_works().add();
+  thread_local AxisWork mine;
   return mine;
-}
-
-AxisWork all_axis_work() {
-  AxisWorks& works = axis_works();
-  const std::lock_guard lock(works.mutex);
-  AxisWork sum;
-  for (const AxisWork& w : works.all) sum += w;
-  return sum;
 }
 
 struct AxisCurve::Index {

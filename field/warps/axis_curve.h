@@ -38,7 +38,7 @@ struct AxisFoot {
   bool is_at_end = false; ///< beyond an end of the axis: the place does not change with the point
 };
 
-/// A stretch of an axis.
+/// A part of a step of an axis.
 struct AxisPart {
   size_t step = 0;
   double from = 0, to = 1;    ///< of s
@@ -96,7 +96,7 @@ private:
     std::array<int, 3> size{};
     struct Cell {
       uint16_t node = k_outside;
-      bool is_single = false; ///< only one short stretch of the axis has its tube there: what is not found on it is outside
+      bool is_single = false; ///< only one short part of the axis has its tube there: what is not found on it is outside
     };
     std::vector<Cell> cells;
 

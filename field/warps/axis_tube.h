@@ -1,8 +1,7 @@
 // One axis of a deformation: a rest axis, a deformed axis, frames along both, and the tube of space that goes with them.
 #pragma once
 
-#include "field/warps/axis_curve.h"
-#include "field/warps/axis_shape.h"
+#include "field/warps/axis_steps.h"
 
 namespace kelpie {
 
@@ -19,12 +18,12 @@ struct AxisOffer {
   double border = 1; ///< the depth at its end
 };
 
-/// An axis as it acts on the points of a box, in a stretch without knots or frames within: polynomials of u, the place on the axis less
+/// An axis as it acts on the points of a box, in a section between knots and frames: polynomials of u, the place on the axis less
 /// that where u is 0, in no unit. The place c(u) that is nearest to p = middle + d is where (offset + d - dc(u)) c'(u) = 0, but for
 /// the limits, and the rest point is p + shift(u) + turn(u) (offset + d - dc(u)).
 struct AxisPiece {
   double low, high;           ///< limits: the ends of the axis, or where no point of the box has its place
-  double joint;               ///< the end of the stretch: where another follows, that has the places beyond
+  double joint;               ///< the end of the section: another may follow, which has the places beyond
   Vec3d offset;               ///< from c(0) to the middle of the box
   std::array<Vec3d, 3> axis;  ///< dc(u) = c(u) - c(0), by powers of u, from the first on
   std::array<Vec3d, 4> shift; ///< by powers of u
@@ -51,8 +50,9 @@ public:
   /// For a box: `contains`, in each offer, whatever any point of it is offered; depth 0 where it is outside. False: all are.
   bool offer(const Box3d&, AxisOffer<Interval>&) const;
 
-  /// The axis as it acts on a box that lies in the tube: stretches in order, a place beyond the end of one is in the next. False if it is
-  /// not to be had so that rest points differ from those of offer() by no more than `tolerance`, or what frames are precise to.
+  /// The axis as it acts on a box that lies in the tube: one piece for each section, in order; a place beyond the end of one is in the
+  /// next. False if it is not to be had so that rest points differ from those of offer() by no more than `tolerance`, or what frames are
+  /// precise to.
   bool pieces(const Box3d&, double tolerance, std::vector<AxisPiece>&) const;
 
   /// For a point of the rest space: how far it is moved; false if it is outside the tube.
@@ -68,21 +68,14 @@ public:
   double most_limit() const { return most_reach_ * limit_part_; }
 
 private:
-  /// From the deformed axis to the rest axis: shift, and the rotation from frame to frame less the identity.
-  struct Turn {
-    CubicStep<Vec3d> shift;
-    CubicStep<Mat3d> turn;
-  };
-  struct Built;
-  static Built build(const AxisShape&);
-  AxisTube(const AxisShape&, Built&&);
+  AxisTube(const AxisShape&, AxisSteps&&);
   void offer_at(const AxisFoot&, bool with_slopes, AxisOffer<double>&) const;
   void offer_part(const AxisPart&, const Box3d&, Interval distance, AxisOffer<Interval>&) const;
   bool fit(size_t step, double from, double to, const Box3d&, double tolerance, AxisPiece&) const;
 
   AxisCurve deformed_, rest_;
-  std::vector<Turn> turns_;
-  std::vector<size_t> ends_; ///< of each step: that after the last step of its stretch between knots and frames
+  std::vector<AxisTurn> turns_;
+  std::vector<size_t> ends_; ///< of each step: that after the last step of its section, between knots and frames
   double border_, limit_part_, most_reach_ = 0;
   double cut_at_ = 0, cut_radius_ = 0;
   bool moves_ = false;

@@ -18,10 +18,7 @@ struct AxisWork {
   }
 };
 
-/// That of this thread: counted without a lock.
+/// That of this thread so far.
 AxisWork& axis_work();
-
-/// That of all threads so far. Exact while none of them inverts.
-AxisWork all_axis_work();
 
 } // namespace kelpie

@@ -44,9 +44,7 @@ constexpr PartCentres k_part_centres;
 constexpr float k_half_part = 0.1255f;
 
 /// Which of the 64 parts of a box may reach the threshold, as bits.
-uint64_t PartsOfBlobs(const Box3& box, Cell::Content content, const float* blobs, size_t n, double threshold, TimeSpan time) {
-  const bool is_pure = content == Cell::Content::pure_blobs || content == Cell::Content::moving_pure_blobs;
-  const bool moves = content == Cell::Content::moving_pure_blobs;
+uint64_t PartsOfBlobs(const Box3& box, BlobList blobs, double threshold, TimeSpan time) {
   // Squared distances are sums over the axes, and along an axis parts have four places only: all vectors of lanes share those
   // along x, those of a plane differ along y, and planes along z.
   constexpr size_t k_vectors = 64 / k_width, k_in_plane = 16 / k_width, k_in_row = std::max<size_t>(4 / k_width, 1);
@@ -61,26 +59,27 @@ uint64_t PartsOfBlobs(const Box3& box, Cell::Content content, const float* blobs
   for (size_t i = 0; i < k_in_plane; ++i) centres_y[i] = centre(1, i * k_width);
   for (size_t i = 0; i < 4; ++i) centres_z[i] = centre(2, i * 16);
   for (V& sum : most) sum = zero;
-  for (size_t i = 0; i < n && blobs[3 * n + i] > 0; ++i) { // what pads the list has s < 0
-    const auto number = [&](size_t array) { return blobs[array * n + i]; };
-    const V k = set(number(4));
+  for (size_t i = 0; i < blobs.count && !blobs.is_padding(i); ++i) {
+    const auto number = [&](uint32_t row) { return blobs.row(row)[i]; };
+    const V k = set(number(blob_k));
     const auto squared = [&](V d) { return hn::Mul(k, hn::Mul(d, d)); };
     // How far the blob is from parts along an axis at least; squared, times k.
-    const auto apart2 = [&](size_t axis, const V* from, size_t count, V* out) {
+    const auto apart2 = [&](BlobRow axis, const V* from, size_t count, V* out) {
       // It is somewhere on a segment.
-      const float way = moves ? number(5 + axis) : 0, middle = number(axis) + middle_time * way, along = half_time * std::abs(way);
-      const V at = set(middle), near = set(half[axis] + along);
+      const float way = blobs.form.moves ? number(blobs.form.change_of(axis)) : 0;
+      const float middle = number(axis) + middle_time * way, along = half_time * std::abs(way);
+      const V at = set(middle), near = set(half[static_cast<int>(axis)] + along);
       for (size_t j = 0; j < count; ++j) out[j] = squared(hn::Max(hn::Sub(hn::Abs(hn::Sub(from[j], at)), near), zero));
     };
     V x[k_in_row], y[k_in_plane], z[4];
-    apart2(0, centres_x, k_in_row, x), apart2(1, centres_y, k_in_plane, y), apart2(2, centres_z, 4, z);
-    const V s = set(number(3));
+    apart2(blob_x, centres_x, k_in_row, x), apart2(blob_y, centres_y, k_in_plane, y), apart2(blob_z, centres_z, 4, z);
+    const V s = set(number(blob_s));
     for (size_t j = 0; j < k_in_plane; ++j) {
       const V in_plane = hn::Sub(s, hn::Add(x[j % k_in_row], y[j]));
       for (size_t plane = 0; plane < 4; ++plane) {
         const V q = hn::Max(hn::Sub(in_plane, z[plane]), zero), q2 = hn::Mul(q, q);
         V& sum = most[plane * k_in_plane + j];
-        sum = hn::Add(sum, is_pure ? q2 : hn::Max(hn::Mul(q2, hn::MulAdd(set(number(6)), q, set(number(5)))), zero));
+        sum = hn::Add(sum, blobs.form.is_pure ? q2 : hn::Max(hn::Mul(q2, hn::MulAdd(set(number(blob_b)), q, set(number(blob_a)))), zero));
       }
     }
   }
@@ -214,8 +213,8 @@ Box3 around_parts(const Box3& box, uint64_t reached) {
 HWY_EXPORT(PartsOfBlobs);
 HWY_EXPORT(PartsOfTree);
 
-Box3 tightened_to_blobs(const Box3& box, Cell::Content content, const float* blobs, size_t count, double threshold, TimeSpan time) {
-  return around_parts(box, HWY_DYNAMIC_DISPATCH(PartsOfBlobs)(box, content, blobs, count, threshold, time));
+Box3 tightened_to_blobs(const Box3& box, BlobList blobs, double threshold, TimeSpan time) {
+  return around_parts(box, HWY_DYNAMIC_DISPATCH(PartsOfBlobs)(box, blobs, threshold, time));
 }
 
 Box3 tightened_to_tree(const Box3& box, const TreeView& tree, const Vec3& centre, double threshold) {

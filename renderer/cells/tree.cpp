@@ -163,10 +163,10 @@ private:
   }
 
   bool add_blobs(const Instruction& step, bool is_subtracted) {
-    const BlobArrays& s = program_.blobs;
     for (const uint32_t i : code_.blobs.subspan(step.first, step.count)) {
-      const Vec3d at(s.x[i], s.y[i], s.z[i]);
-      if (!add(step.space, {at, at, 0, 0}, s.k[i], s.a[i], s.b[i], is_subtracted)) return false;
+      const BlobNumbers blob = program_.blob(i);
+      const Vec3d at(blob.x, blob.y, blob.z);
+      if (!add(step.space, {at, at, 0, 0}, blob.k, blob.a, blob.b, is_subtracted)) return false;
     }
     return true;
   }

@@ -1,7 +1,8 @@
 // Rays from the camera through the film.
 #pragma once
 
-#include "renderer/trace/tracer.h"
+#include "renderer/trace/exposure_states.h"
+#include "renderer/trace/solve.h"
 
 namespace kelpie {
 

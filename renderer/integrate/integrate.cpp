@@ -11,6 +11,7 @@
 #include "renderer/film/pixel_filter.h"
 #include "renderer/integrate/camera_rays.h"
 #include "renderer/integrate/sample_batch.h"
+#include "renderer/trace/surroundings.h"
 
 namespace kelpie {
 

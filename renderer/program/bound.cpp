@@ -175,8 +175,8 @@ public:
   Pruner(const FieldProgram& program, const Code& code, std::span<const Interval> ranges)
       : program_(program), code_(code), ranges_(ranges) {}
 
-  Code run() {
-    emit(static_cast<uint32_t>(code_.steps.size() - 1), Demand::sign);
+  Code run(Demand demand) {
+    emit(static_cast<uint32_t>(code_.steps.size() - 1), demand);
     return std::move(out_);
   }
 
@@ -285,6 +285,8 @@ Code bound(const FieldProgram& program, const Code& code, const Box3d& box, std:
   return out;
 }
 
-Code prune(const FieldProgram& program, const Code& code, std::span<const Interval> ranges) { return Pruner(program, code, ranges).run(); }
+Code prune(const FieldProgram& program, const Code& code, std::span<const Interval> ranges, Demand demand) {
+  return Pruner(program, code, ranges).run(demand);
+}
 
 } // namespace kelpie

@@ -12,7 +12,7 @@ namespace kelpie {
 Code bound(const FieldProgram& program, const Code& code, const Box3d& box, std::vector<Interval>& ranges);
 
 /// The part of `code` that decides the sign of field - threshold in a box over which its steps lie in
-/// `ranges`. The surface and its normals there are exactly those of the whole.
-Code prune(const FieldProgram& program, const Code& code, std::span<const Interval> ranges);
+/// `ranges`. The surface and its normals there are exactly those of the whole; with Demand::value the field is, too.
+Code prune(const FieldProgram& program, const Code& code, std::span<const Interval> ranges, Demand demand = Demand::sign);
 
 } // namespace kelpie

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 
+#include "field/potential/falloff_terms.h"
 #include "renderer/program/bound_blobs.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -34,6 +35,10 @@ inline hn::Vec<hn::RebindToUnsigned<Lanes>> numbers_from(std::span<const uint32_
   return hn::Load(k_number_lanes, last);
 }
 
+/// The slope of q^2 is largest at this u = d^2/R^2, that of q^3 before it, and that of any mixture between.
+constexpr float k_square_steepest = static_cast<float>(k_square_slope.u), k_cube_steepest = static_cast<float>(k_cube_slope.u);
+constexpr float k_square_most = static_cast<float>(k_square_slope.most), k_cube_most = static_cast<float>(k_cube_slope.most);
+
 /// The potential q^2 (a + b q) of some blobs, q = 1 - k d^2, and |its slope|, with a and b by their absolute values.
 struct Potentials {
   V a, b, k;
@@ -47,10 +52,10 @@ struct Potentials {
     const V s = q(d2), bend = hn::Add(hn::Mul(set(2), hn::Abs(a)), hn::Mul(hn::Mul(set(3), hn::Abs(b)), s));
     return hn::Mul(hn::Mul(hn::Mul(set(2), hn::Sqrt(d2)), hn::Mul(k, s)), bend);
   }
-  /// The slope rises up to u = 1/3 (quartic) or 1/5 (cubic) and falls beyond; a mixture peaks between.
+  /// The slope rises before where either term is steepest, and falls beyond both.
   V steepest_between(V near2, V far2) const {
-    const V peak = hn::Mul(hn::Add(hn::Mul(set(1.5397f), hn::Abs(a)), hn::Mul(set(1.7174f), hn::Abs(b))), hn::Sqrt(k));
-    const M rising = hn::Lt(hn::Mul(far2, k), set(0.2f)), falling = hn::Gt(hn::Mul(near2, k), set(1.f / 3));
+    const V peak = hn::Mul(hn::Add(hn::Mul(set(k_square_most), hn::Abs(a)), hn::Mul(set(k_cube_most), hn::Abs(b))), hn::Sqrt(k));
+    const M rising = hn::Lt(hn::Mul(far2, k), set(k_cube_steepest)), falling = hn::Gt(hn::Mul(near2, k), set(k_square_steepest));
     return hn::IfThenElse(hn::Or(rising, falling), slope(hn::IfThenElse(rising, far2, near2)), peak);
   }
 };
@@ -110,8 +115,8 @@ struct MovingPotentials {
   }
   V steepest_between(V near2, V far2) const {
     const Potentials most{a.magnitude(), b.magnitude(), k.hi};
-    const V peak = hn::Mul(hn::MulAdd(set(1.5397f), most.a, hn::Mul(set(1.7174f), most.b)), hn::Sqrt(k.hi));
-    const M rising = hn::Lt(hn::Mul(far2, k.hi), set(0.2f)), falling = hn::Gt(hn::Mul(near2, k.lo), set(1.f / 3));
+    const V peak = hn::Mul(hn::MulAdd(set(k_square_most), most.a, hn::Mul(set(k_cube_most), most.b)), hn::Sqrt(k.hi));
+    const M rising = hn::Lt(hn::Mul(far2, k.hi), set(k_cube_steepest)), falling = hn::Gt(hn::Mul(near2, k.lo), set(k_square_steepest));
     const V d2 = hn::IfThenElse(rising, far2, near2), q = hn::Max(hn::Zero(k_lanes), hn::NegMulAdd(d2, k.lo, set(1)));
     const V bend = hn::MulAdd(set(2), most.a, hn::Mul(hn::Mul(set(3), most.b), q));
     const V slope = hn::Mul(hn::Mul(hn::Mul(set(2), hn::Sqrt(d2)), hn::Mul(k.hi, q)), bend);

@@ -32,10 +32,23 @@ std::optional<double> similarity_scale(const Mat3d& m) {
   return std::sqrt(s2);
 }
 
+/// Of the nodes behind the root.
+std::vector<LeafIdentity> identities_of_pieces(const SampledField& field) {
+  std::vector<LeafIdentity> out(field.piece_count);
+  for (uint32_t node = 0; node <= field.root(); ++node)
+    std::visit(
+        [&]<class Kind>(const Kind& kind) {
+          if constexpr (ComplexPrimitive<Kind>)
+            for (uint32_t i = 0; i < kind.expansion.count; ++i) out[kind.expansion.first + i - field.root() - 1] = {node, i};
+        },
+        field.nodes[node]);
+  return out;
+}
+
 /// Compiles all moments in step: what decides about structure is asked of every one of them.
 class Compiler {
 public:
-  explicit Compiler(std::vector<FieldProgram>& moments) : moments_(moments) {
+  Compiler(std::vector<FieldProgram>& moments, CompileOptions options) : moments_(moments), options_(options) {
     for (FieldProgram& m : moments_) m.spaces.push_back({});
   }
 
@@ -44,7 +57,11 @@ public:
     add_to_sum(static_cast<uint32_t>(first().field.root()), View{0, std::vector<Affine>(moments_.size())}, Demand::sign, sum);
     finish(sum);
     for (size_t i = 1; i < moments_.size(); ++i) moments_[i].code = first().code;
-    sort_blobs(moments_);
+    sort_blobs(moments_, identities_);
+    if (options_.with_identities) {
+      const auto all = std::make_shared<const Identities>(Identities{std::move(identities_), identities_of_pieces(first().field)});
+      for (FieldProgram& m : moments_) m.identities = all;
+    }
     for (FieldProgram& m : moments_) find_support(m, nullptr, m.support);
   }
 
@@ -167,6 +184,7 @@ private:
     for (size_t j = 0; j < clouds[0].size(); ++j) {
       if (std::all_of(clouds.begin(), clouds.end(), [&](const BlobCloud& c) { return c[j].weight == 0; })) continue;
       list.push_back(static_cast<uint32_t>(first().blobs.size()));
+      if (options_.with_identities) identities_.push_back({index, static_cast<uint32_t>(j)});
       for (size_t i = 0; i < moments_.size(); ++i) {
         Blob blob = clouds[i][j];
         if (is_folded) {
@@ -241,23 +259,25 @@ private:
   }
 
   std::vector<FieldProgram>& moments_;
-  std::optional<uint32_t> blend_; ///< any blend of the tree: they have no parameters, so one stands for all
+  CompileOptions options_;
+  std::vector<LeafIdentity> identities_; ///< of blobs, if they are asked for
+  std::optional<uint32_t> blend_;        ///< any blend of the tree: they have no parameters, so one stands for all
 };
 
 } // namespace
 
-std::vector<FieldProgram> compile(std::vector<SampledField> moments, std::span<const double> thresholds) {
+std::vector<FieldProgram> compile(std::vector<SampledField> moments, std::span<const double> thresholds, CompileOptions options) {
   std::vector<FieldProgram> programs(moments.size());
   expand(moments);
   for (size_t i = 0; i < moments.size(); ++i) programs[i].threshold = thresholds[i], programs[i].field = std::move(moments[i]);
-  Compiler(programs).run();
+  Compiler(programs, options).run();
   return programs;
 }
 
-FieldProgram compile(SampledField field, double threshold) {
+FieldProgram compile(SampledField field, double threshold, CompileOptions options) {
   std::vector<SampledField> one;
   one.push_back(std::move(field));
-  return std::move(compile(std::move(one), std::array{threshold})[0]);
+  return std::move(compile(std::move(one), std::array{threshold}, options)[0]);
 }
 
 } // namespace kelpie

@@ -2,6 +2,7 @@
 // Dual<Interval, 1> (bounds). One formula a kind serves them all.
 #pragma once
 
+#include "field/motion.h"
 #include "renderer/program/program.h"
 
 namespace kelpie {
@@ -16,14 +17,22 @@ struct CodeView {
   CodeView(const Code& c) : steps(c.steps), operands(c.operands), blobs(c.blobs) {} // NOLINT: code is viewed as code
 };
 
-/// The sum of blobs at p.
+inline BlobNumbers FieldProgram::blob(uint32_t i) const {
+  if (!moving_blobs.start) return blobs[i];
+  const BlobNumbers s = (*moving_blobs.start)[i], e = (*moving_blobs.end)[i];
+  const auto between = [&](float x, float y) { return interpolate(x, y, moving_blobs.part); };
+  return {between(s.x, e.x), between(s.y, e.y), between(s.z, e.z), between(s.k, e.k), between(s.a, e.a), between(s.b, e.b)};
+}
+
+/// The sum of blobs of a program at p.
 template <class Real>
-Real sum_of_blobs(const BlobArrays& blobs, std::span<const uint32_t> list, const Point3<Real>& p) {
+Real sum_of_blobs(const FieldProgram& program, std::span<const uint32_t> list, const Point3<Real>& p) {
   Real sum(0.0);
   for (const uint32_t i : list) {
-    const Real d2 = square(p.x - Real(blobs.x[i])) + square(p.y - Real(blobs.y[i])) + square(p.z - Real(blobs.z[i]));
-    const Real q = max(Real(0.0), Real(1.0) - d2 * double(blobs.k[i]));
-    sum = sum + square(q) * (Real(blobs.a[i]) + q * double(blobs.b[i]));
+    const BlobNumbers blob = program.blob(i);
+    const Real d2 = square(p.x - Real(blob.x)) + square(p.y - Real(blob.y)) + square(p.z - Real(blob.z));
+    const Real q = max(Real(0.0), Real(1.0) - d2 * double(blob.k));
+    sum = sum + square(q) * (Real(blob.a) + q * double(blob.b));
   }
   return sum;
 }
@@ -65,7 +74,7 @@ Real evaluate_step(const FieldProgram& program, const CodeView& code, const Inst
                    SpacePoints<Real>& spaces, const std::vector<Real>& values, std::vector<Real>& operands) {
   const Point3<Real>& local = spaces.at(program, step.space, p);
   switch (step.kind) {
-  case Instruction::Kind::blobs: return sum_of_blobs(program.blobs, code.blobs.subspan(step.first, step.count), local);
+  case Instruction::Kind::blobs: return sum_of_blobs(program, code.blobs.subspan(step.first, step.count), local);
   case Instruction::Kind::skeleton:
     return std::visit(
         [&](const auto& kind) {

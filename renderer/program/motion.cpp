@@ -87,20 +87,15 @@ const FieldProgram& at(const FieldProgram& program, const CodeView& code, double
   if (!program.motion) return program;
   const Motion& motion = *program.motion;
   FieldProgram& now = motion.now.local();
-  if (now.spaces.empty()) now = program, now.motion.reset();
+  if (now.spaces.empty()) {
+    now.field = program.field, now.spaces = program.spaces, now.hulls = program.hulls;
+    now.support = program.support, now.identities = program.identities;
+  }
   now.threshold = threshold_at(program, u);
-  const auto f = static_cast<float>(u);
+  now.moving_blobs = {&program.blobs, &motion.end.blobs, static_cast<float>(u)};
   for (const Instruction& step : code.steps) {
-    if (step.kind == Instruction::Kind::blobs) {
-      const BlobArrays &a = program.blobs, &b = motion.end.blobs;
-      for (const uint32_t i : code.blobs.subspan(step.first, step.count)) {
-        const auto one = [&](std::vector<float> BlobArrays::*m) { (now.blobs.*m)[i] = interpolate((a.*m)[i], (b.*m)[i], f); };
-        one(&BlobArrays::x), one(&BlobArrays::y), one(&BlobArrays::z);
-        one(&BlobArrays::k), one(&BlobArrays::a), one(&BlobArrays::b);
-      }
-    } else if (motion.nodes[step.node]) {
+    if (step.kind != Instruction::Kind::blobs && motion.nodes[step.node])
       interpolate(program.field.nodes[step.node], motion.end.field.nodes[step.node], u, now.field.nodes[step.node]);
-    }
     for (uint32_t i = step.space; motion.spaces[i]; i = program.spaces[i].parent) {
       const Space& space = program.spaces[i];
       now.spaces[i].local_from_parent = interpolate(space.local_from_parent, motion.end.spaces[i].local_from_parent, u);
@@ -145,7 +140,7 @@ public:
 
   ProgramDifference run() {
     rest(a_.threshold, b_.threshold);
-    for (const Instruction& step : a_.code.steps) {
+    for (const Instruction& step : b_.code.steps) { // that of a_ is the same, if it has any
       if (step.kind == Instruction::Kind::blobs)
         compare_blobs(step);
       else
@@ -169,17 +164,17 @@ private:
   }
 
   void compare_blobs(const Instruction& step) {
-    const BlobArrays &s = a_.blobs, &e = b_.blobs;
     Box3d box;
     double least = std::numeric_limits<double>::infinity();
     for (uint32_t j = 0; j < step.count; ++j) {
-      const uint32_t i = a_.code.blobs[step.first + j];
-      const Vec3d p(s.x[i], s.y[i], s.z[i]), q(e.x[i], e.y[i], e.z[i]);
+      const uint32_t i = b_.code.blobs[step.first + j];
+      const BlobNumbers s = a_.blob(i), e = b_.blob(i);
+      const Vec3d p(s.x, s.y, s.z), q(e.x, e.y, e.z);
       // 1 / sqrt(k) and not the radius, which interpolated programs do not have.
-      const double radius = 1 / std::sqrt(double(std::max(s.k[i], e.k[i])));
+      const double radius = 1 / std::sqrt(double(std::max(s.k, e.k)));
       places_.push_back(glm::distance(p, q) / radius);
-      rest(s.k[i], e.k[i]);
-      most_ = std::max(most_, (std::abs(s.a[i] - e.a[i]) + std::abs(s.b[i] - e.b[i])) / a_.threshold);
+      rest(s.k, e.k);
+      most_ = std::max(most_, (std::abs(s.a - e.a) + std::abs(s.b - e.b)) / a_.threshold);
       box.extend(p), least = std::min(least, radius);
     }
     if (step.count > 0) compare_spaces(step.space, box.padded(least), least);
@@ -255,5 +250,16 @@ private:
 } // namespace
 
 ProgramDifference difference(const FieldProgram& a, const FieldProgram& b) { return Comparison(a, b).run(); }
+
+// --- memory ---
+
+size_t program_bytes(const FieldProgram& p) {
+  size_t bytes = p.blobs.size() * sizeof(float) * 7 + (p.code.operands.size() + p.code.blobs.size()) * sizeof(uint32_t) +
+                 p.code.steps.size() * sizeof(Instruction) + p.spaces.size() * sizeof(Space) + p.field.nodes.size() * sizeof(Node);
+  for (const auto& [node, faces] : p.hulls) bytes += faces.size() * sizeof(HullFace);
+  if (p.identities) bytes += (p.identities->blobs.size() + p.identities->pieces.size()) * sizeof(LeafIdentity);
+  if (p.motion) bytes += program_bytes(p.motion->end) + p.motion->middle.nodes.size() * sizeof(Node);
+  return bytes;
+}
 
 } // namespace kelpie

@@ -24,8 +24,8 @@ struct Motion {
 /// not all interpolated maps can be inverted.
 bool set_in_motion(FieldProgram& start, FieldProgram end, const SampledField* held = nullptr);
 
-/// The program at time u. Of its blobs, nodes and spaces only those that the code needs are good, and only until this thread
-/// calls again for the same program.
+/// The program at time u, without its code. Of its nodes and spaces only those that the code needs are good, and only until this thread
+/// calls again for the same program; its blobs are those of `program`, on their way.
 const FieldProgram& at(const FieldProgram&, const CodeView&, double u);
 
 /// Around the image of a box of the world in a space, at all times.
@@ -51,7 +51,12 @@ inline double threshold_at(const FieldProgram& p, double u) {
   return p.motion ? p.threshold + (p.motion->end.threshold - p.threshold) * u : p.threshold;
 }
 
-/// How far two programs of one structure are apart. To choose slabs by: warps are looked at in a few places only.
+/// What a program and its motion take, about: without what its nodes share with the scene, and the copies of nodes that threads make of
+/// what moves.
+size_t program_bytes(const FieldProgram&);
+
+/// How far two programs of one structure are apart, of which `b` has its code. To choose slabs by: warps are looked at in a few places
+/// only.
 struct ProgramDifference {
   double place = 0; ///< of elements, in radii of influence, in the spaces where they live: of all but the farthest 2 %
   double most = 0;  ///< the same, of all; and what is no place, relative

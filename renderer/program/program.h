@@ -10,6 +10,11 @@
 
 namespace kelpie {
 
+/// The numbers of one blob.
+struct BlobNumbers {
+  float x, y, z, k, a, b;
+};
+
 /// The blobs of a program in structure-of-arrays form. The potential of one is q^2 (a + b q) with
 /// q = max(0, 1 - |p - centre|^2 k): the weight is folded into the falloff's polynomial.
 struct BlobArrays {
@@ -17,6 +22,14 @@ struct BlobArrays {
 
   size_t size() const { return x.size(); }
   void push(const Blob&);
+  BlobNumbers operator[](uint32_t i) const { return {x[i], y[i], z[i], k[i], a[i], b[i]}; }
+};
+
+/// Blobs on their way from one list to another.
+struct BlobsBetween {
+  const BlobArrays* start = nullptr;
+  const BlobArrays* end = nullptr;
+  float part = 0; ///< of the way
 };
 
 /// One step of a program; its value is stored at its own position.
@@ -50,6 +63,20 @@ struct Space {
   bool is_affine_in_world() const { return parent == 0 && warp == k_no_warp; }
 };
 
+/// Whose a leaf of a program is.
+struct LeafIdentity {
+  uint32_t node = 0; ///< of the sampled field, as the scene has it: a leaf, a cloud or a complex primitive. Instances share nodes
+  uint32_t part = 0; ///< which of a cloud's blobs or of a complex primitive's pieces; else 0
+
+  friend bool operator==(const LeafIdentity&, const LeafIdentity&) = default;
+};
+
+/// Whose all leaves are that are not nodes themselves.
+struct Identities {
+  std::vector<LeafIdentity> blobs;  ///< of each blob of the program
+  std::vector<LeafIdentity> pieces; ///< of each node behind the root of the sampled field; the last, which is none, has any
+};
+
 /// Finding the faces of hulls takes the fourth power of this.
 inline constexpr size_t k_most_hull_points = 64;
 
@@ -60,24 +87,35 @@ struct FieldProgram {
   double threshold = 1;
   SampledField field;
   BlobArrays blobs;
+  BlobsBetween moving_blobs;                                 ///< of a program at a moment (motion.h), instead of its own
   std::vector<Space> spaces;                                 ///< parents before children; the first is the world
   Code code;                                                 ///< everything, not pruned
   std::unordered_map<uint32_t, std::vector<HullFace>> hulls; ///< of nodes that are polyhedra of few points, and stand
   Box3d support;                                             ///< the field is at most 0 outside
+  std::shared_ptr<const Identities> identities;              ///< only if it was compiled with them
   std::shared_ptr<const Motion> motion;                      ///< how all this changes over a slab of time (motion.h); null: it does not
 
+  BlobNumbers blob(uint32_t i) const;
   /// Number of blobs and skeletons.
   size_t element_count() const;
+  /// Whose the skeleton of a node is.
+  LeafIdentity identity_of(uint32_t node) const {
+    return node <= field.root() ? LeafIdentity{node, 0} : identities->pieces[node - field.root() - 1];
+  }
+};
+
+struct CompileOptions {
+  bool with_identities = false; ///< 8 bytes a blob; cells then keep their programs, too
 };
 
 /// Compiles a sampled field: affine warps are folded into the leaves (into the blobs themselves where the
 /// warp is a similarity), any other warp becomes a space, nested blends become one sum, and all blobs of a
 /// sum in one space one step.
-FieldProgram compile(SampledField field, double threshold);
+FieldProgram compile(SampledField field, double threshold, CompileOptions = {});
 
 /// The same for several moments of one tree, with one threshold each: programs of the same structure, that is, with the
 /// same code, the same spaces and as many blobs. What is done for one moment only if its numbers allow it is done if
 /// those of all moments do.
-std::vector<FieldProgram> compile(std::vector<SampledField> moments, std::span<const double> thresholds);
+std::vector<FieldProgram> compile(std::vector<SampledField> moments, std::span<const double> thresholds, CompileOptions = {});
 
 } // namespace kelpie

@@ -49,15 +49,16 @@ std::vector<uint32_t> sorted(const std::vector<uint32_t>& keys) {
   return order;
 }
 
-void reorder(const std::vector<uint32_t>& order, std::vector<float>& values) {
-  std::vector<float> out(values.size());
+template <class Value>
+void reorder(const std::vector<uint32_t>& order, std::vector<Value>& values) {
+  std::vector<Value> out(values.size());
   for (size_t i = 0; i < out.size(); ++i) out[i] = values[order[i]];
   values = std::move(out);
 }
 
 } // namespace
 
-void sort_blobs(std::span<FieldProgram> moments) {
+void sort_blobs(std::span<FieldProgram> moments, std::vector<LeafIdentity>& identities) {
   const FieldProgram& first = moments[0];
   if (first.blobs.size() < k_few) return;
   const std::vector<uint32_t> order = sorted(places_along_curve(first.blobs));
@@ -72,6 +73,7 @@ void sort_blobs(std::span<FieldProgram> moments) {
     for (std::vector<float>* values : {&b.x, &b.y, &b.z, &b.radius, &b.k, &b.a, &b.b}) reorder(order, *values);
     program.code.blobs = list;
   }
+  reorder(order, identities);
 }
 
 } // namespace kelpie

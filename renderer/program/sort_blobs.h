@@ -9,6 +9,7 @@ namespace kelpie {
 
 /// Orders the blobs of programs of one structure along a curve through space, by where they are in the first: what is near is
 /// near in memory then, too. Clouds list blobs in any order, and building cells fetches those of a box again and again.
-void sort_blobs(std::span<FieldProgram> moments);
+/// Their identities go with them, if there are any.
+void sort_blobs(std::span<FieldProgram> moments, std::vector<LeafIdentity>& identities);
 
 } // namespace kelpie

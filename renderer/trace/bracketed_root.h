@@ -5,10 +5,10 @@
 
 namespace kelpie {
 
-/// A place between a and b where g, with g(a) = ga < 0 <= gb = g(b), is within `tolerance` of 0, or which no number of the type
-/// is nearer to it: regula falsi as modified by Anderson and Björck (1973). It takes a third of the steps of the
-/// Illinois rule, and does not stall where the slope jumps at the root itself, as that of an R-union of two like fields. Where it
-/// is slow all the same (beyond a crease g may rise a thousand times faster than before it) the bracket is halved.
+/// A root of g between a and b, where g(a) = ga < 0 <= gb = g(b): a place where |g| is at most `tolerance`, or the nearest that numbers of
+/// the type can tell. By regula falsi as modified by Anderson and Björck (1973): it takes a third of the steps of the Illinois rule, and
+/// does not stall where g has a kink at the root itself, as an R-union of two equal fields has. Every fourth step halves the bracket if the
+/// steps before it did not: beyond a crease g may rise a thousand times faster than before it, which makes regula falsi slow.
 template <class Real, class Function>
 Real bracketed_root(const Function& g, Real a, Real ga, Real b, Real gb, Real tolerance) {
   Real r = b, width = b - a;

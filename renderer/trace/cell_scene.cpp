@@ -2,24 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <deque>
-#include <new>
-#include <stdexcept>
+#include <exception>
 
-#include <embree3/rtcore.h>
-#include <pmmintrin.h>
-#include <xmmintrin.h>
+#include "renderer/trace/embree_device.h"
 
 #include "base/parallel.h"
 
 namespace kelpie {
-
-void flush_denormals_in_this_thread() {
-  _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-  _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
-}
 
 namespace {
 
@@ -38,15 +29,12 @@ struct Window {
 
 struct CellScene::State {
   std::vector<Slabs> shapes;
-  RTCDevice device = nullptr;
+  EmbreeDevice device;
   std::deque<Window> windows;
   std::vector<RTCScene> scenes; ///< one for each window of time of the shape with most of them
-  std::atomic<ssize_t> embree_bytes{0};
-  std::atomic<RTCError> error{RTC_ERROR_NONE};
 
   ~State() {
     for (RTCScene scene : scenes) rtcReleaseScene(scene);
-    if (device) rtcReleaseDevice(device);
   }
 
   RTCScene at(float time) const { return scenes[slab_of(time, scenes.size())]; }
@@ -60,9 +48,30 @@ struct Query {
   const Ray* rays;            ///< by RTCRay::id
   bool any_inside;            ///< whether one of them starts inside a shape
   SolveCounters* counters;
+  std::exception_ptr failure{}; ///< what a solver threw
+
+  Query(std::span<const Ray> of, SolveCounters& to) : rays(of.data()), counters(&to) {
+    any_inside = std::any_of(of.begin(), of.end(), [](const Ray& r) { return !r.inside.is_empty(); });
+    rtcInitIntersectContext(&embree);
+  }
+
+  /// Does the work of a callback. Nothing may be thrown through Embree: it is kept, and nothing more is done.
+  template <class Work>
+  void attempt(Work&& work) noexcept {
+    if (failure) return;
+    try {
+      work();
+    } catch (...) {
+      failure = std::current_exception();
+    }
+  }
+  /// Throws what was kept.
+  void finish() const {
+    if (failure) std::rethrow_exception(failure);
+  }
 };
 
-void cell_bounds(const RTCBoundsFunctionArguments* args) {
+void cell_bounds(const RTCBoundsFunctionArguments* args) noexcept {
   const Window& window = *static_cast<const Window*>(args->geometryUserPtr);
   window.to_builders.take();
   const Box3& box = window.cells[args->primID].box;
@@ -128,53 +137,51 @@ bool is_nearer(float t, unsigned shape, unsigned cell, float t_far, unsigned met
   return shape != met_shape ? shape < met_shape : cell < met_cell;
 }
 
-/// Shortens the rays that hit, so that farther cells are culled.
-void cell_intersect(const RTCIntersectFunctionNArguments* args) {
-  const auto& window = *static_cast<const Window*>(args->geometryUserPtr);
-  const ShapeCells& shape = *window.shape;
-  const unsigned cell = window.first + args->primID;
-  const auto& query = *reinterpret_cast<const Query*>(args->context);
-  const unsigned n = args->N;
-  RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, n);
-  RTCHitN* found = RTCRayHitN_HitN(args->rayhit, n);
-  alignas(64) std::array<float, k_packet> t;
-  uint32_t hits = 0;
-  if (n == 1)
-    hits = args->valid[0] && meet(shape, args->geomID, cell, *query.rays, RTCRayN_tfar(rays, 1, 0), *query.counters, t[0]);
-  else
-    hits = meet(shape, args->geomID, cell, query, args->valid, rays, n, false, t.data());
-  for (; hits; hits &= hits - 1) {
-    const auto i = static_cast<unsigned>(std::countr_zero(hits));
-    if (!is_nearer(t[i], args->geomID, cell, RTCRayN_tfar(rays, n, i), RTCHitN_geomID(found, n, i), RTCHitN_primID(found, n, i))) continue;
-    RTCRayN_tfar(rays, n, i) = t[i];
-    RTCHitN_geomID(found, n, i) = args->geomID;
-    RTCHitN_primID(found, n, i) = cell;
+/// A cell that Embree asks about.
+struct Asked {
+  const ShapeCells& shape;
+  unsigned shape_index, cell;
+  Query& query;
+
+  template <class Arguments>
+  explicit Asked(const Arguments* args)
+      : shape(*static_cast<const Window*>(args->geometryUserPtr)->shape), shape_index(args->geomID),
+        cell(static_cast<const Window*>(args->geometryUserPtr)->first + args->primID), query(*reinterpret_cast<Query*>(args->context)) {}
+
+  /// Solves it; returns the rays (bits) that hit before their t_far, and where.
+  uint32_t meet(const int* valid, RTCRayN* rays, unsigned n, bool any, float* t) const {
+    if (n > 1) return kelpie::meet(shape, shape_index, cell, query, valid, rays, n, any, t);
+    return valid[0] && kelpie::meet(shape, shape_index, cell, *query.rays, RTCRayN_tfar(rays, 1, 0), *query.counters, t[0]);
   }
+};
+
+/// Shortens the rays that hit, so that farther cells are culled.
+void cell_intersect(const RTCIntersectFunctionNArguments* args) noexcept {
+  const Asked asked(args);
+  asked.query.attempt([&] {
+    const unsigned n = args->N;
+    RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, n);
+    RTCHitN* found = RTCRayHitN_HitN(args->rayhit, n);
+    alignas(64) std::array<float, k_packet> t;
+    for (uint32_t hits = asked.meet(args->valid, rays, n, false, t.data()); hits; hits &= hits - 1) {
+      const auto i = static_cast<unsigned>(std::countr_zero(hits));
+      if (!is_nearer(t[i], args->geomID, asked.cell, RTCRayN_tfar(rays, n, i), RTCHitN_geomID(found, n, i), RTCHitN_primID(found, n, i)))
+        continue;
+      RTCRayN_tfar(rays, n, i) = t[i];
+      RTCHitN_geomID(found, n, i) = args->geomID;
+      RTCHitN_primID(found, n, i) = asked.cell;
+    }
+  });
 }
 
-void cell_occluded(const RTCOccludedFunctionNArguments* args) {
-  const auto& window = *static_cast<const Window*>(args->geometryUserPtr);
-  const ShapeCells& shape = *window.shape;
-  const unsigned cell = window.first + args->primID;
-  const auto& query = *reinterpret_cast<const Query*>(args->context);
-  const unsigned n = args->N;
-  alignas(64) std::array<float, k_packet> t;
-  uint32_t hits = 0;
-  if (n == 1)
-    hits = args->valid[0] && meet(shape, args->geomID, cell, *query.rays, RTCRayN_tfar(args->ray, 1, 0), *query.counters, t[0]);
-  else
-    hits = meet(shape, args->geomID, cell, query, args->valid, args->ray, n, true, t.data());
-  for (; hits; hits &= hits - 1)
-    RTCRayN_tfar(args->ray, n, static_cast<unsigned>(std::countr_zero(hits))) = -std::numeric_limits<float>::infinity();
-}
-
-RTCRay to_embree(const Ray& ray) {
-  RTCRay r{};
-  r.org_x = ray.origin.x, r.org_y = ray.origin.y, r.org_z = ray.origin.z;
-  r.dir_x = ray.direction.x, r.dir_y = ray.direction.y, r.dir_z = ray.direction.z;
-  r.tnear = ray.t_near, r.tfar = ray.t_far;
-  r.time = ray.time, r.mask = ~0u;
-  return r;
+void cell_occluded(const RTCOccludedFunctionNArguments* args) noexcept {
+  const Asked asked(args);
+  asked.query.attempt([&] {
+    const unsigned n = args->N;
+    alignas(64) std::array<float, k_packet> t;
+    for (uint32_t hits = asked.meet(args->valid, args->ray, n, true, t.data()); hits; hits &= hits - 1)
+      RTCRayN_tfar(args->ray, n, static_cast<unsigned>(std::countr_zero(hits))) = -std::numeric_limits<float>::infinity();
+  });
 }
 
 /// Up to 16 rays into a packet; the other lanes take no part.
@@ -190,9 +197,7 @@ void fill(std::span<const Ray> rays, Packet& out) {
 }
 
 Query packet_query(std::span<const Ray> rays, SolveCounters& counters) {
-  const bool any_inside = std::any_of(rays.begin(), rays.end(), [](const Ray& r) { return !r.inside.is_empty(); });
-  Query query{{}, rays.data(), any_inside, &counters};
-  rtcInitIntersectContext(&query.embree);
+  Query query(rays, counters);
   query.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   return query;
 }
@@ -232,25 +237,12 @@ void attach(RTCDevice device, std::span<const RTCScene> scenes, const Window& wi
 } // namespace
 
 CellScene::CellScene(std::vector<Slabs> shapes) : state_(std::make_unique<State>()) {
-  flush_denormals_in_this_thread();
   State& s = *state_;
   s.shapes = std::move(shapes);
-  s.device = rtcNewDevice(nullptr);
-  if (!s.device) throw std::runtime_error("Embree: no device");
-  const auto on_error = [](void* state, RTCError code, const char*) { static_cast<State*>(state)->error = code; };
-  rtcSetDeviceErrorFunction(s.device, on_error, &s);
-  const auto on_memory = [](void* state, ssize_t bytes, bool) {
-    static_cast<State*>(state)->embree_bytes += bytes;
-    return true;
-  };
-  rtcSetDeviceMemoryMonitorFunction(s.device, on_memory, &s);
   const auto windows_of = [](const Slabs& slabs) { return slabs.size() * slabs[0]->windows(); };
   size_t windows = 1;
   for (const Slabs& shape : s.shapes) windows = std::max(windows, windows_of(shape));
-  for (size_t i = 0; i < windows; ++i) {
-    s.scenes.push_back(rtcNewScene(s.device));
-    rtcSetSceneFlags(s.scenes.back(), RTC_SCENE_FLAG_ROBUST); // cells share walls: no ray may slip through
-  }
+  for (size_t i = 0; i < windows; ++i) s.scenes.push_back(s.device.new_scene());
   for (unsigned i = 0; i < s.shapes.size(); ++i) {
     const size_t share = windows / windows_of(s.shapes[i]);
     size_t first_scene = 0;
@@ -262,8 +254,7 @@ CellScene::CellScene(std::vector<Slabs> shapes) : state_(std::make_unique<State>
       }
   }
   for (RTCScene scene : s.scenes) rtcCommitScene(scene);
-  if (s.error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
-  if (s.error != RTC_ERROR_NONE) throw std::runtime_error("Embree: error " + std::to_string(s.error));
+  s.device.check();
 }
 
 CellScene::~CellScene() = default;
@@ -272,12 +263,12 @@ CellScene& CellScene::operator=(CellScene&&) noexcept = default;
 
 bool CellScene::intersect(const Ray& ray, SolveCounters& counters, CellHit& hit) const {
   if (!is_traceable(ray)) return false;
-  Query query{{}, &ray, false, &counters};
-  rtcInitIntersectContext(&query.embree);
+  Query query(std::span(&ray, 1), counters);
   RTCRayHit r;
   r.ray = to_embree(ray);
   r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(state_->at(ray.time), &query.embree, &r);
+  query.finish();
   if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
   hit = {r.ray.tfar, r.hit.geomID, r.hit.primID};
   return true;
@@ -285,10 +276,10 @@ bool CellScene::intersect(const Ray& ray, SolveCounters& counters, CellHit& hit)
 
 bool CellScene::occluded(const Ray& ray, SolveCounters& counters) const {
   if (!is_traceable(ray)) return false;
-  Query query{{}, &ray, false, &counters};
-  rtcInitIntersectContext(&query.embree);
+  Query query(std::span(&ray, 1), counters);
   RTCRay r = to_embree(ray);
   rtcOccluded1(state_->at(ray.time), &query.embree, &r);
+  query.finish();
   return r.tfar < 0;
 }
 
@@ -299,6 +290,7 @@ uint32_t CellScene::intersect(std::span<const Ray> rays, SolveCounters& counters
   fill(rays, r.ray);
   std::fill(std::begin(r.hit.geomID), std::end(r.hit.geomID), RTC_INVALID_GEOMETRY_ID);
   for_each_slab(rays, state_->scenes, [&](RTCScene scene, const int* valid) { rtcIntersect16(valid, scene, &query.embree, &r); });
+  query.finish();
   uint32_t found = 0;
   for (size_t i = 0; i < rays.size(); ++i) {
     if (r.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
@@ -314,6 +306,7 @@ uint32_t CellScene::occluded(std::span<const Ray> rays, SolveCounters& counters)
   RTCRay16 r;
   fill(rays, r);
   for_each_slab(rays, state_->scenes, [&](RTCScene scene, const int* valid) { rtcOccluded16(valid, scene, &query.embree, &r); });
+  query.finish();
   uint32_t found = 0;
   for (size_t i = 0; i < rays.size(); ++i) found |= uint32_t(r.tfar[i] < 0) << i;
   return found;
@@ -332,7 +325,7 @@ size_t CellScene::slab_count() const {
 size_t CellScene::window_count() const { return state_->scenes.size(); }
 
 size_t CellScene::bytes() const {
-  size_t n = static_cast<size_t>(state_->embree_bytes.load());
+  size_t n = state_->device.bytes();
   for (const auto& slabs : state_->shapes)
     for (const auto& s : slabs) n += s->bytes();
   return n;

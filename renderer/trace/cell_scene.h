@@ -1,5 +1,4 @@
-// The cells of all shapes as Embree user geometry: one geometry a shape, one primitive a cell. Only this folder knows
-// Embree.
+// The cells of all shapes as Embree user geometry: one geometry a shape, one primitive a cell.
 #pragma once
 
 #include <memory>
@@ -23,12 +22,14 @@ public:
   CellScene(CellScene&&) noexcept;
   CellScene& operator=(CellScene&&) noexcept;
 
+  // Each of these throws what a solver throws (std::bad_alloc), after Embree is done.
+
   /// The first surface that the ray meets.
   bool intersect(const Ray&, SolveCounters&, CellHit&) const;
   /// Whether it meets any.
   bool occluded(const Ray&, SolveCounters&) const;
 
-  /// The same for a packet of up to k_packet rays, best of rays that run side by side: returns the rays (bits)
+  /// The same for a packet of up to k_packet rays, which had better run side by side: returns the rays (bits)
   /// that hit. A ray's answer does not depend on the others; it may differ from the answer alone by rounding.
   uint32_t intersect(std::span<const Ray>, SolveCounters&, CellHit*) const;
   uint32_t occluded(std::span<const Ray>, SolveCounters&) const;
@@ -39,7 +40,8 @@ public:
   const ShapeCells& shape(size_t index, float time) const;
   /// The most slabs that any shape has.
   size_t slab_count() const;
-  /// Into so many equal parts time is divided, each with a scene of its own. Rays that share a packet had better share one.
+  /// Time is divided into so many equal windows, each with a scene of its own. A packet whose rays are in several windows is traced
+  /// once in each.
   size_t window_count() const;
   /// Bytes of Embree's own structures and of the cells.
   size_t bytes() const;
@@ -48,13 +50,6 @@ private:
   struct State;
   std::unique_ptr<State> state_;
 };
-
-/// Whether Embree takes the ray, which else ends the program: its numbers are some, and not beyond 1e18. Other rays meet
-/// nothing.
-inline bool is_traceable(const Ray& ray) {
-  const Vec3 sum = glm::abs(ray.origin) + glm::abs(ray.direction);
-  return sum.x + sum.y + sum.z <= 1e18f;
-}
 
 /// Embree wants denormals flushed in every thread that calls it; the solvers are faster so, too.
 void flush_denormals_in_this_thread();

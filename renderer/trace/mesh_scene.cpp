@@ -1,13 +1,9 @@
 #include "renderer/trace/mesh_scene.h"
 
-#include <atomic>
 #include <cstring>
 #include <new>
-#include <stdexcept>
 
-#include <embree3/rtcore.h>
-
-#include "renderer/trace/cell_scene.h"
+#include "renderer/trace/embree_device.h"
 
 namespace kelpie {
 
@@ -40,29 +36,10 @@ struct MeshScene::Placed {
 };
 
 struct MeshScene::State {
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
-  std::atomic<ssize_t> embree_bytes{0};
-  std::atomic<RTCError> error{RTC_ERROR_NONE};
+  EmbreeDevice device;
+  RTCScene scene = device.new_scene();
 
-  State() {
-    flush_denormals_in_this_thread();
-    device = rtcNewDevice(nullptr);
-    if (!device) throw std::runtime_error("Embree: no device");
-    const auto on_error = [](void* state, RTCError code, const char*) { static_cast<State*>(state)->error = code; };
-    rtcSetDeviceErrorFunction(device, on_error, this);
-    const auto on_memory = [](void* state, ssize_t bytes, bool) {
-      static_cast<State*>(state)->embree_bytes += bytes;
-      return true;
-    };
-    rtcSetDeviceMemoryMonitorFunction(device, on_memory, this);
-    scene = rtcNewScene(device);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST); // watertight where triangles share vertices
-  }
-  ~State() {
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
-  }
+  ~State() { rtcReleaseScene(scene); }
 };
 
 MeshScene::~MeshScene() = default;
@@ -76,16 +53,6 @@ constexpr double k_most_error = 2e-4;
 constexpr size_t k_bytes_per_triangle = 120;
 /// A smooth normal that looks away from the ray that sees its triangle is turned until it has this cosine.
 constexpr float k_least_cosine = 0.01f;
-
-RTCRay to_embree(const Ray& ray) {
-  RTCRay r{};
-  r.org_x = ray.origin.x, r.org_y = ray.origin.y, r.org_z = ray.origin.z;
-  r.dir_x = ray.direction.x, r.dir_y = ray.direction.y, r.dir_z = ray.direction.z;
-  r.tnear = ray.t_near, r.tfar = ray.t_far;
-  r.mask = ~0u;
-  r.time = ray.time;
-  return r;
-}
 
 std::array<Vec3d, 8> corners_of(const SurfaceMesh& mesh) {
   Box3d box;
@@ -156,8 +123,7 @@ MeshScene::MeshScene(std::span<const MovingMesh> meshes) {
   state_ = std::make_unique<State>();
   for (const MovingMesh& mesh : meshes) add(mesh);
   rtcCommitScene(state_->scene);
-  if (state_->error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
-  if (state_->error != RTC_ERROR_NONE) throw std::runtime_error("Embree: error " + std::to_string(state_->error));
+  state_->device.check();
 }
 
 bool MeshScene::intersect(const Ray& ray, MeshHit& hit) const {
@@ -229,7 +195,7 @@ std::optional<Vec3> MeshScene::velocity(uint32_t shape, const Vec3& position, fl
   return {};
 }
 
-size_t MeshScene::bytes() const { return state_ ? static_cast<size_t>(state_->embree_bytes.load()) : 0; }
+size_t MeshScene::bytes() const { return state_ ? state_->device.bytes() : 0; }
 
 size_t estimated_bytes(const MovingMesh& mesh) {
   const size_t triangles = mesh.states[0].mesh->triangles.size() * k_bytes_per_triangle;

@@ -26,20 +26,22 @@ bool clip(const Cell& cell, const Ray& ray, bool from_inside, RaySegment& out) {
 
 bool solve(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolveCounters& counters, float& t) {
   switch (cell.content) {
+  case Cell::Content::blobs: ++counters.blobs.cells; return solve_blobs(shape, cell, ray, counters.blobs, t);
   case Cell::Content::tree: ++counters.trees.cells; return solve_tree(shape, cell, ray, counters.trees, t);
   case Cell::Content::moving_tree: ++counters.trees.cells; return solve_moving_tree(shape, cell, ray, counters.trees, t);
   case Cell::Content::code: ++counters.code.cells; return solve_code(shape, cell, ray, counters.code, t);
-  default: ++counters.blobs.cells; return solve_blobs(shape, cell, ray, counters.blobs, t);
   }
+  __builtin_unreachable();
 }
 
 uint32_t solve_lanes(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, SolveCounters& counters, float* t) {
   switch (cell.content) {
+  case Cell::Content::blobs: return solve_blobs_lanes(shape, cell, rays, counters, t);
   case Cell::Content::tree: return solve_tree_lanes(shape, cell, rays, counters, t);
   case Cell::Content::moving_tree:
   case Cell::Content::code: return solve_one_by_one(shape, cell, rays, counters, t);
-  default: return solve_blobs_lanes(shape, cell, rays, counters, t);
   }
+  __builtin_unreachable();
 }
 
 uint32_t solve_one_by_one(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, SolveCounters& counters, float* t) {
@@ -56,33 +58,37 @@ uint32_t solve_one_by_one(const ShapeCells& shape, const Cell& cell, const RayLa
 
 Vec3 cell_gradient(const ShapeCells& shape, const Cell& cell, const Vec3& p, float time) {
   switch (cell.content) {
+  case Cell::Content::blobs: return blobs_gradient(shape, cell, p, time);
   case Cell::Content::tree: return tree_gradient(shape, cell, p);
   case Cell::Content::moving_tree:
   case Cell::Content::code: {
-    const CodeView code = shape.code(cell);
+    const CodeView& code = shape.code(cell);
     return Vec3(gradient(at(shape.program, code, shape.slab_time(time)), code, Vec3d(p)));
   }
-  default: return blobs_gradient(shape, cell, p, time);
   }
+  __builtin_unreachable();
 }
 
 namespace {
 
-/// The derivative of a sum of moving blobs by the slab's time, from the formulas of cells.h.
-double blobs_rate(const float* data, size_t n, bool is_pure, const Vec3d& p, double u) {
+/// The derivative of a sum of blobs by the slab's time, from the formulas of blob_list.h.
+double blobs_rate(const BlobList& blobs, const Vec3d& p, double u) {
+  if (!blobs.form.moves) return 0;
   double sum = 0;
-  for (size_t i = 0; i < n; ++i) {
-    const auto start = [&](size_t array) { return double(data[array * n + i]); };
-    const auto change = [&](size_t array) { return double(data[((is_pure ? 5 : 7) + array) * n + i]); };
-    const Vec3d way(change(0), change(1), change(2)), d = p - (Vec3d(start(0), start(1), start(2)) + u * way);
-    const double k_rate = is_pure ? 0 : change(3), k = start(4) + u * k_rate, q = start(3) - k * glm::dot(d, d);
+  for (size_t i = 0; i < blobs.count && !blobs.is_padding(i); ++i) {
+    const auto start = [&](BlobRow row) { return double(blobs.row(row)[i]); };
+    const auto change = [&](BlobRow row) { return double(blobs.row(blobs.form.change_of(row))[i]); };
+    const Vec3d way(change(blob_x), change(blob_y), change(blob_z));
+    const Vec3d d = p - (Vec3d(start(blob_x), start(blob_y), start(blob_z)) + u * way);
+    const double k_rate = blobs.form.is_pure ? 0 : change(blob_k), k = start(blob_k) + u * k_rate;
+    const double q = start(blob_s) - k * glm::dot(d, d);
     if (q <= 0) continue;
     const double q_rate = 2 * k * glm::dot(d, way) - k_rate * glm::dot(d, d);
-    if (is_pure) {
+    if (blobs.form.is_pure) {
       sum += 2 * q * q_rate;
     } else {
-      const double a = start(5) + u * change(4), b = start(6) + u * change(5);
-      sum += q * (2 * q_rate * (a + b * q) + q * (change(4) + change(5) * q + b * q_rate));
+      const double a = start(blob_a) + u * change(blob_a), b = start(blob_b) + u * change(blob_b);
+      sum += q * (2 * q_rate * (a + b * q) + q * (change(blob_a) + change(blob_b) * q + b * q_rate));
     }
   }
   return sum;
@@ -91,7 +97,7 @@ double blobs_rate(const float* data, size_t n, bool is_pure, const Vec3d& p, dou
 /// By differences over a part of the slab.
 double code_rate(const ShapeCells& shape, const Cell& cell, const Vec3d& p, double u) {
   constexpr double k_step = 1.0 / 16;
-  const CodeView code = shape.code(cell);
+  const CodeView& code = shape.code(cell);
   const double before = std::max(u - k_step, 0.0), after = std::min(u + k_step, 1.0);
   const auto value = [&](double when) { return evaluate(at(shape.program, code, when), code, Point3<double>{p.x, p.y, p.z}); };
   return (value(after) - value(before)) / (after - before);
@@ -103,13 +109,12 @@ double cell_rate(const ShapeCells& shape, const Cell& cell, const Vec3& p, float
   if (!shape.program.motion) return 0;
   const double u = shape.slab_time(time), threshold_rate = shape.program.motion->end.threshold - shape.program.threshold;
   switch (cell.content) {
-  case Cell::Content::moving_pure_blobs:
-  case Cell::Content::moving_mixed_blobs:
-    return blobs_rate(cell.data, cell.count, cell.content == Cell::Content::moving_pure_blobs, Vec3d(p), u) - threshold_rate;
+  case Cell::Content::blobs: return blobs_rate(cell.blobs, Vec3d(p), u) - threshold_rate;
+  case Cell::Content::tree: return -threshold_rate;
   case Cell::Content::moving_tree:
   case Cell::Content::code: return code_rate(shape, cell, Vec3d(p), u) - threshold_rate;
-  default: return -threshold_rate;
   }
+  __builtin_unreachable();
 }
 
 } // namespace kelpie

@@ -4,6 +4,7 @@
 #include <array>
 #include <string_view>
 
+#include "field/warps/axis_work.h"
 #include "renderer/cells/cells.h"
 #include "renderer/lanes/packet.h"
 #include "renderer/trace/shape_set.h"
@@ -49,6 +50,7 @@ struct SolverWork {
 /// What the solvers did, for statistics; one per thread.
 struct SolveCounters {
   SolverWork blobs, blob_packets, trees, tree_packets, code;
+  AxisWork axis; ///< of axial deformations: by rays, and in hits
 
   struct Solver {
     std::string_view name; ///< in statistics
@@ -63,6 +65,7 @@ struct SolveCounters {
   }
   SolveCounters& operator+=(const SolveCounters& c) {
     for (const Solver& s : k_solvers) this->*s.work += c.*s.work;
+    axis += c.axis;
     return *this;
   }
 };

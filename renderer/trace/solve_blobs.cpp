@@ -10,6 +10,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "renderer/trace/blob_lanes-inl.h"
 #include "renderer/trace/bracketed_root.h"
 #include "renderer/trace/solve.h"
 
@@ -29,14 +30,7 @@ struct ActiveBlobs {
 };
 
 inline constexpr int k_samples = 16;
-
-/// What a list of blobs holds (Cell::Content).
-template <Cell::Content C>
-struct BlobForm {
-  /// Quartic falloffs and positive weights only, weights folded into q. Then f = sum q^2.
-  static constexpr bool k_pure = C == Cell::Content::pure_blobs || C == Cell::Content::moving_pure_blobs;
-  static constexpr bool k_moving = C == Cell::Content::moving_pure_blobs || C == Cell::Content::moving_mixed_blobs;
-};
+static_assert(k_samples == k_packet); // as many as lanes at the most
 
 } // namespace kelpie
 #endif
@@ -44,53 +38,44 @@ struct BlobForm {
 HWY_BEFORE_NAMESPACE();
 namespace kelpie {
 namespace HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
 
-using Lanes = hn::CappedTag<float, k_samples>;
-using V = hn::Vec<Lanes>;
-constexpr Lanes k_lanes{};
-constexpr size_t k_width = hn::MaxLanes(Lanes{});
 constexpr size_t k_vectors = k_samples / k_width;
 
 /// Where the 16 samples lie in [-1, 1].
 alignas(64) constexpr float k_places[k_samples] = {-1,       -13.f / 15, -11.f / 15, -9.f / 15, -7.f / 15, -5.f / 15, -3.f / 15, -1.f / 15,
                                                    1.f / 15, 3.f / 15,   5.f / 15,   7.f / 15,  9.f / 15,  11.f / 15, 13.f / 15, 1};
 
-/// Some blobs of a list, at a time.
-template <Cell::Content C>
+/// Some blobs of a list, at a time within the slab.
+template <BlobForm F>
 struct BlobGroup {
-  BlobGroup(const float* blobs, size_t n, size_t i, V u) {
-    const Lanes l = k_lanes;
-    const auto number = [&](size_t array, size_t change) {
-      const V start = hn::LoadU(l, blobs + array * n + i);
-      if constexpr (BlobForm<C>::k_moving) return hn::MulAdd(hn::LoadU(l, blobs + change * n + i), u, start);
-      return start;
+  BlobGroup(const BlobList& blobs, size_t i, V time) {
+    const auto standing = [&](BlobRow row) { return hn::LoadU(k_lanes, blobs.row(row) + i); };
+    const auto number = [&](BlobRow row) {
+      if constexpr (F.moves) return hn::MulAdd(hn::LoadU(k_lanes, blobs.row(F.change_of(row)) + i), time, standing(row));
+      return standing(row);
     };
-    constexpr size_t first = BlobForm<C>::k_pure ? 5 : 7;
-    x = number(0, first), y = number(1, first + 1), z = number(2, first + 2);
-    s = hn::LoadU(l, blobs + 3 * n + i);
-    if constexpr (BlobForm<C>::k_pure)
-      k = hn::LoadU(l, blobs + 4 * n + i);
+    x = number(blob_x), y = number(blob_y), z = number(blob_z);
+    s = standing(blob_s);
+    if constexpr (F.is_pure)
+      k = standing(blob_k);
     else
-      k = number(4, 10), w = number(5, 11), v = number(6, 12);
+      k = number(blob_k), w = number(blob_a), v = number(blob_b);
   }
 
   V x, y, z, s, k, w, v; ///< w and v only of mixed ones
 };
 
-template <Cell::Content C>
+template <BlobForm F>
 class BlobSolver {
-  static constexpr bool k_pure = BlobForm<C>::k_pure;
-
 public:
   BlobSolver(float threshold, bool from_inside, SolverWork& work, ActiveBlobs& active)
       : threshold_(threshold), sign_(from_inside ? -1.f : 1.f), negligible_(1e-5f * threshold), work_(work), active_(active) {}
 
-  bool run(const float* blobs, size_t n, const RaySegment& ray, float slab_time, float& t) {
+  bool run(BlobList blobs, const RaySegment& ray, float slab_time, float& t) {
     const float middle = 0.5f * (ray.t0 + ray.t1);
     // A direction is a unit vector to 1e-7 only, which a tiny blob at the end of a long segment would feel.
     const float speed = glm::length(ray.direction), half = 0.5f * (ray.t1 - ray.t0) * speed;
-    const float most = set_up(blobs, n, ray.origin + middle * ray.direction, ray.direction / speed, half, slab_time);
+    const float most = set_up(blobs, ray.origin + middle * ray.direction, ray.direction / speed, half, slab_time);
     if (sign_ > 0 && most < threshold_ * (1 - 1e-6f)) return false;
     float root;
     if (!first(-half, half, 0, root)) return false;
@@ -100,94 +85,89 @@ public:
 
 private:
   /// Fills the list of active blobs; returns an upper bound of the field on the segment.
-  float set_up(const float* blobs, size_t n, const Vec3& m, const Vec3& d, float half, float slab_time) {
-    const Lanes l = k_lanes;
-    active_.reserve(n);
-    const V mx = hn::Set(l, m.x), my = hn::Set(l, m.y), mz = hn::Set(l, m.z);
-    const V dx = hn::Set(l, d.x), dy = hn::Set(l, d.y), dz = hn::Set(l, d.z);
-    const V h = hn::Set(l, half), zero = hn::Zero(l), u = hn::Set(l, slab_time);
+  float set_up(BlobList blobs, const Vec3& m, const Vec3& d, float half, float slab_time) {
+    active_.reserve(blobs.count);
+    const V3 middle{set(m.x), set(m.y), set(m.z)}, direction{set(d.x), set(d.y), set(d.z)};
+    const V h = set(half), zero = hn::Zero(k_lanes), time = set(slab_time);
     V curvature = zero, most = zero;
     size_t count = 0;
-    for (size_t i = 0; i < n; i += k_width) {
-      const BlobGroup<C> group(blobs, n, i, u);
-      const V x = hn::Sub(group.x, mx), y = hn::Sub(group.y, my), z = hn::Sub(group.z, mz), s = group.s, k = group.k;
-      const V along = hn::MulAdd(x, dx, hn::MulAdd(y, dy, hn::Mul(z, dz)));
-      const V ax = hn::NegMulAdd(along, dx, x), ay = hn::NegMulAdd(along, dy, y), az = hn::NegMulAdd(along, dz, z);
-      const V a = hn::NegMulAdd(k, hn::MulAdd(ax, ax, hn::MulAdd(ay, ay, hn::Mul(az, az))), s);
+    for (size_t i = 0; i < blobs.count; i += k_width) {
+      const BlobGroup<F> group(blobs, i, time);
+      const V s = group.s, k = group.k;
+      const V3 to_blob{hn::Sub(group.x, middle.x), hn::Sub(group.y, middle.y), hn::Sub(group.z, middle.z)};
+      const V along = dot(to_blob, direction);
+      const V3 across{hn::NegMulAdd(along, direction.x, to_blob.x), hn::NegMulAdd(along, direction.y, to_blob.y),
+                      hn::NegMulAdd(along, direction.z, to_blob.z)};
+      const V a = hn::NegMulAdd(k, dot(across, across), s);
       const V c = hn::Sqrt(k), b = hn::Mul(c, along);
       // q is largest at the place nearest to the centre.
       const V off = hn::Sub(hn::Min(hn::Max(along, hn::Neg(h)), h), along);
       const V q = hn::NegMulAdd(k, hn::Mul(off, off), a);
       const auto reaches = hn::Gt(q, zero);
-      if (hn::AllFalse(l, reaches)) continue;
-      hn::CompressStore(a, reaches, l, active_.a.data() + count);
-      hn::CompressStore(b, reaches, l, active_.b.data() + count);
-      if constexpr (k_pure) {
-        // q^2 with q scaled by the root s of the weight: C = 4 w k = 4 s (s k); upward 8.
+      if (hn::AllFalse(k_lanes, reaches)) continue;
+      hn::CompressStore(a, reaches, k_lanes, active_.a.data() + count);
+      hn::CompressStore(b, reaches, k_lanes, active_.b.data() + count);
+      if constexpr (F.is_pure) {
+        // q is scaled by the root s of the weight w: w times the curvature of q^2 is s (s k) times it.
         curvature = hn::Add(curvature, hn::IfThenElseZero(reaches, hn::Mul(s, k)));
         most = hn::Add(most, hn::IfThenElseZero(reaches, hn::Mul(q, q)));
       } else {
         const V w = group.w, v = group.v;
-        hn::CompressStore(w, reaches, l, active_.w.data() + count);
-        hn::CompressStore(v, reaches, l, active_.v.data() + count);
-        // (4, 8) for q^2, (6, 4.8) for q^3: the first where the potential curves against us.
-        const V sw = hn::Mul(w, hn::Set(l, sign_)), sv = hn::Mul(v, hn::Set(l, sign_));
-        const V bend = hn::Add(hn::Max(hn::Mul(sw, hn::Set(l, 4.f)), hn::Mul(sw, hn::Set(l, -8.f))),
-                               hn::Max(hn::Mul(sv, hn::Set(l, 6.f)), hn::Mul(sv, hn::Set(l, -4.8f))));
+        hn::CompressStore(w, reaches, k_lanes, active_.w.data() + count);
+        hn::CompressStore(v, reaches, k_lanes, active_.v.data() + count);
+        const V bend = most_bend(hn::Mul(w, set(sign_)), hn::Mul(v, set(sign_)));
         curvature = hn::Add(curvature, hn::IfThenElseZero(reaches, hn::Mul(bend, k)));
         const V peak = hn::Mul(hn::Mul(q, q), hn::MulAdd(v, q, w));
         most = hn::Add(most, hn::IfThenElseZero(reaches, hn::Max(peak, zero)));
       }
-      count += hn::CompressStore(c, reaches, l, active_.c.data() + count);
+      count += hn::CompressStore(c, reaches, k_lanes, active_.c.data() + count);
     }
     active_.count = count;
     for (size_t j = 0; j < k_width; ++j) { // so that whole vectors may be read: q = -1
       active_.a[count + j] = -1, active_.b[count + j] = active_.c[count + j] = 0;
-      if constexpr (!k_pure) active_.w[count + j] = active_.v[count + j] = 0;
+      if constexpr (!F.is_pure) active_.w[count + j] = active_.v[count + j] = 0;
     }
-    const float sum = hn::GetLane(hn::SumOfLanes(l, curvature));
-    curvature_ = 1.0001f * (k_pure ? (sign_ > 0 ? 4 : 8) * sum : sum);
-    return hn::GetLane(hn::SumOfLanes(l, most));
+    const float sum = hn::GetLane(hn::SumOfLanes(k_lanes, curvature));
+    curvature_ = k_wider * (F.is_pure ? most_bend(k_square_curvature, sign_) * sum : sum);
+    return hn::GetLane(hn::SumOfLanes(k_lanes, most));
   }
 
   /// g = ±(f - T) at 16 places; negative before the surface.
   void sample(float middle, float half, float* g) const {
     work_.evaluations += k_samples;
-    const Lanes l = k_lanes;
     V s[k_vectors], f[k_vectors];
     for (size_t j = 0; j < k_vectors; ++j) {
-      s[j] = hn::MulAdd(hn::Load(l, k_places + j * k_width), hn::Set(l, half), hn::Set(l, middle));
-      f[j] = hn::Set(l, -threshold_);
+      s[j] = hn::MulAdd(hn::Load(k_lanes, k_places + j * k_width), set(half), set(middle));
+      f[j] = set(-threshold_);
     }
-    const V zero = hn::Zero(l);
+    const V zero = hn::Zero(k_lanes);
     for (size_t i = 0; i < active_.count; ++i) {
-      const V a = hn::Set(l, active_.a[i]), b = hn::Set(l, active_.b[i]), c = hn::Set(l, active_.c[i]);
+      const V a = set(active_.a[i]), b = set(active_.b[i]), c = set(active_.c[i]);
       for (size_t j = 0; j < k_vectors; ++j) {
         const V u = hn::MulSub(c, s[j], b), q = hn::Max(hn::NegMulAdd(u, u, a), zero);
-        if constexpr (k_pure)
+        if constexpr (F.is_pure)
           f[j] = hn::MulAdd(q, q, f[j]);
         else
-          f[j] = hn::MulAdd(hn::Mul(q, q), hn::MulAdd(hn::Set(l, active_.v[i]), q, hn::Set(l, active_.w[i])), f[j]);
+          f[j] = hn::MulAdd(hn::Mul(q, q), hn::MulAdd(set(active_.v[i]), q, set(active_.w[i])), f[j]);
       }
     }
-    for (size_t j = 0; j < k_vectors; ++j) hn::Store(hn::Mul(f[j], hn::Set(l, sign_)), l, g + j * k_width);
+    for (size_t j = 0; j < k_vectors; ++j) hn::Store(hn::Mul(f[j], set(sign_)), k_lanes, g + j * k_width);
   }
 
   /// g at one place, with blobs in lanes.
   float at(float place) const {
     ++work_.evaluations;
-    const Lanes l = k_lanes;
-    const V s = hn::Set(l, place), zero = hn::Zero(l);
+    const V s = set(place), zero = hn::Zero(k_lanes);
     V f = zero;
     for (size_t i = 0; i < active_.count; i += k_width) {
-      const V u = hn::MulSub(hn::LoadU(l, &active_.c[i]), s, hn::LoadU(l, &active_.b[i]));
-      const V q = hn::Max(hn::NegMulAdd(u, u, hn::LoadU(l, &active_.a[i])), zero);
-      if constexpr (k_pure)
+      const V u = hn::MulSub(hn::LoadU(k_lanes, &active_.c[i]), s, hn::LoadU(k_lanes, &active_.b[i]));
+      const V q = hn::Max(hn::NegMulAdd(u, u, hn::LoadU(k_lanes, &active_.a[i])), zero);
+      if constexpr (F.is_pure)
         f = hn::MulAdd(q, q, f);
       else
-        f = hn::MulAdd(hn::Mul(q, q), hn::MulAdd(hn::LoadU(l, &active_.v[i]), q, hn::LoadU(l, &active_.w[i])), f);
+        f = hn::MulAdd(hn::Mul(q, q), hn::MulAdd(hn::LoadU(k_lanes, &active_.v[i]), q, hn::LoadU(k_lanes, &active_.w[i])), f);
     }
-    return sign_ * (hn::GetLane(hn::SumOfLanes(l, f)) - threshold_);
+    return sign_ * (hn::GetLane(hn::SumOfLanes(k_lanes, f)) - threshold_);
   }
 
   /// Whether g, below 0 at both ends of an interval, may exceed the negligible between them. With
@@ -234,49 +214,35 @@ private:
   ActiveBlobs& active_;
 };
 
-/// Calls run.operator()<content>() for the content of a cell of blobs.
-template <class Run>
-auto for_content(Cell::Content content, Run&& run) {
-  using C = Cell::Content;
-  switch (content) {
-  case C::pure_blobs: return run.template operator()<C::pure_blobs>();
-  case C::moving_pure_blobs: return run.template operator()<C::moving_pure_blobs>();
-  case C::moving_mixed_blobs: return run.template operator()<C::moving_mixed_blobs>();
-  default: return run.template operator()<C::mixed_blobs>();
-  }
-}
-
 bool SolveBlobs(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolverWork& work, float& t) {
   thread_local ActiveBlobs active;
   const float u = shape.slab_time(ray.time);
   const auto threshold = static_cast<float>(threshold_at(shape.program, u));
-  return for_content(cell.content, [&]<Cell::Content C>() {
-    return BlobSolver<C>(threshold, ray.from_inside, work, active).run(cell.data, cell.count, ray, u, t);
-  });
+  return for_form(cell.blobs.form,
+                  [&]<BlobForm F>() { return BlobSolver<F>(threshold, ray.from_inside, work, active).run(cell.blobs, ray, u, t); });
 }
 
 /// d/dp of q^2 (w + v q) with q = s - k |p - c|^2: -2 k q (2 w + 3 v q) (p - c).
-template <Cell::Content C>
-Vec3 gradient_of(const float* blobs, size_t n, const Vec3& p, float slab_time) {
-  const Lanes l = k_lanes;
-  const V px = hn::Set(l, p.x), py = hn::Set(l, p.y), pz = hn::Set(l, p.z), zero = hn::Zero(l), u = hn::Set(l, slab_time);
-  V gx = zero, gy = zero, gz = zero;
-  for (size_t i = 0; i < n; i += k_width) {
-    const BlobGroup<C> group(blobs, n, i, u);
-    const V x = hn::Sub(px, group.x), y = hn::Sub(py, group.y), z = hn::Sub(pz, group.z);
-    const V q = hn::Max(hn::NegMulAdd(group.k, hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Mul(z, z))), group.s), zero);
-    V slope = hn::Set(l, 2.f);
-    if constexpr (!BlobForm<C>::k_pure) slope = hn::MulAdd(hn::Mul(hn::Set(l, 3.f), group.v), q, hn::Add(group.w, group.w));
+template <BlobForm F>
+Vec3 gradient_of(BlobList blobs, const Vec3& p, float slab_time) {
+  const V3 place{set(p.x), set(p.y), set(p.z)};
+  const V zero = hn::Zero(k_lanes), time = set(slab_time);
+  V3 sum{zero, zero, zero};
+  for (size_t i = 0; i < blobs.count; i += k_width) {
+    const BlobGroup<F> group(blobs, i, time);
+    const V3 d{hn::Sub(place.x, group.x), hn::Sub(place.y, group.y), hn::Sub(place.z, group.z)};
+    const V q = hn::Max(hn::NegMulAdd(group.k, dot(d, d), group.s), zero);
+    V slope = set(2);
+    if constexpr (!F.is_pure) slope = hn::MulAdd(hn::Mul(set(3), group.v), q, hn::Add(group.w, group.w));
     const V factor = hn::Mul(hn::Mul(group.k, q), slope);
-    gx = hn::MulAdd(factor, x, gx), gy = hn::MulAdd(factor, y, gy), gz = hn::MulAdd(factor, z, gz);
+    sum = {hn::MulAdd(factor, d.x, sum.x), hn::MulAdd(factor, d.y, sum.y), hn::MulAdd(factor, d.z, sum.z)};
   }
-  const auto total = [&](V g) { return -2 * hn::GetLane(hn::SumOfLanes(l, g)); };
-  return {total(gx), total(gy), total(gz)};
+  const auto total = [](V g) { return -2 * hn::GetLane(hn::SumOfLanes(k_lanes, g)); };
+  return {total(sum.x), total(sum.y), total(sum.z)};
 }
 
 Vec3 BlobsGradient(const ShapeCells& shape, const Cell& cell, const Vec3& p, float time) {
-  return for_content(cell.content,
-                     [&]<Cell::Content C>() { return gradient_of<C>(cell.data, cell.count, p, shape.slab_time(time)); });
+  return for_form(cell.blobs.form, [&]<BlobForm F>() { return gradient_of<F>(cell.blobs, p, shape.slab_time(time)); });
 }
 
 } // namespace HWY_NAMESPACE

@@ -9,14 +9,14 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "renderer/trace/solve_blobs_lanes.cpp"
-#include <hwy/aligned_allocator.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
 #include <array>
 #include <cmath>
 
-#include "renderer/lanes/lanes-inl.h"
+#include "renderer/lanes/aligned_floats.h"
+#include "renderer/trace/blob_lanes-inl.h"
 #include "renderer/trace/segments-inl.h"
 #include "renderer/trace/solve.h"
 
@@ -28,15 +28,15 @@ namespace kelpie {
 /// has of its own (a and e; where blobs change over time r, w and v too), then what the lanes share.
 struct LaneBlobs {
   static constexpr size_t k_most_own = 5;
-  hwy::AlignedFreeUniquePtr<float[]> own;
+  AlignedFloats own;
   std::vector<float> r, w, v;
   size_t capacity = 0, count = 0;
 
   void reserve(size_t n) {
     if (capacity >= n) return;
-    capacity = n;
-    own = hwy::AllocateAligned<float>(n * k_most_own * k_packet);
+    own = aligned_floats(n * k_most_own * k_packet);
     for (auto* list : {&r, &w, &v}) list->resize(n);
+    capacity = n;
   }
 };
 
@@ -52,14 +52,10 @@ HWY_BEFORE_NAMESPACE();
 namespace kelpie {
 namespace HWY_NAMESPACE {
 
-template <Cell::Content C>
+template <BlobForm F>
 class LaneSolver {
-  using Content = Cell::Content;
-  /// Quartic falloffs and positive weights only, weights folded into q. Then f = sum q^2.
-  static constexpr bool k_pure = C == Content::pure_blobs || C == Content::moving_pure_blobs;
-  static constexpr bool k_moving = C == Content::moving_pure_blobs || C == Content::moving_mixed_blobs;
   /// Radii and weights change over time, and lanes have times of their own.
-  static constexpr bool k_changing = C == Content::moving_mixed_blobs;
+  static constexpr bool k_changing = F.moves && !F.is_pure;
   static constexpr size_t k_own = k_changing ? 5 : 2;
 
 public:
@@ -68,14 +64,14 @@ public:
 
   /// The lanes that hit, in `hit`; those that only the solver for single rays can answer, in `unsure`.
   /// `enough`: where a lane may stop at any point that is inside, up to this t.
-  void run(const float* blobs, size_t n, const Segments& segments, V enough, M& hit, M& unsure, V& t) {
+  void run(BlobList blobs, const Segments& segments, V enough, M& hit, M& unsure, V& t) {
     const V3& o = segments.origin;
     V3 d = segments.direction;
     const V speed = hn::Sqrt(dot(d, d)), middle = hn::Mul(set(0.5f), hn::Add(segments.t0, segments.t1));
     half_ = hn::Mul(hn::Mul(set(0.5f), hn::Sub(segments.t1, segments.t0)), speed);
     const V3 m{hn::MulAdd(middle, d.x, o.x), hn::MulAdd(middle, d.y, o.y), hn::MulAdd(middle, d.z, o.z)};
     d = {hn::Div(d.x, speed), hn::Div(d.y, speed), hn::Div(d.z, speed)};
-    const V most = set_up(blobs, n, m, d, segments.live);
+    const V most = set_up(blobs, m, d, segments.live);
     hit = unsure = no_lanes();
     live_ = hn::And(segments.live, hn::Ge(most, hn::Mul(threshold_, set(1 - 1e-6f))));
     if (none(live_)) return;
@@ -86,19 +82,19 @@ public:
 
 private:
   /// Fills the list of active blobs; returns upper bounds of the field on the segments.
-  V set_up(const float* blobs, size_t n, const V3& m, const V3& d, M live) {
-    for (LaneBlobs& half : active_) half.reserve(n + 1), half.count = 0;
+  V set_up(BlobList blobs, const V3& m, const V3& d, M live) {
+    for (LaneBlobs& half : active_) half.reserve(blobs.count + 1), half.count = 0;
     const V zero = hn::Zero(k_lanes), minus_half = hn::Neg(half_);
     V curvature = zero, most = zero;
-    for (size_t i = 0; i < n && blobs[3 * n + i] > 0; ++i) { // what pads the list has s < 0
-      // An array's number, at the lanes' times if it has changes.
-      const auto number = [&](size_t array, size_t changes) {
-        if constexpr (k_moving) return hn::MulAdd(set(blobs[changes * n + i]), slab_time_, set(blobs[array * n + i]));
-        return set(blobs[array * n + i]);
+    for (size_t i = 0; i < blobs.count && !blobs.is_padding(i); ++i) {
+      const auto standing = [&](BlobRow row) { return blobs.row(row)[i]; };
+      // At the lanes' times, if it moves.
+      const auto number = [&](BlobRow row) {
+        if constexpr (F.moves) return hn::MulAdd(set(blobs.row(F.change_of(row))[i]), slab_time_, set(standing(row)));
+        return set(standing(row));
       };
-      constexpr size_t k_changes = k_pure ? 5 : 7;
-      const V3 c{hn::Sub(number(0, k_changes), m.x), hn::Sub(number(1, k_changes + 1), m.y), hn::Sub(number(2, k_changes + 2), m.z)};
-      const V s = set(blobs[3 * n + i]), k = k_changing ? number(4, 10) : set(blobs[4 * n + i]);
+      const V3 c{hn::Sub(number(blob_x), m.x), hn::Sub(number(blob_y), m.y), hn::Sub(number(blob_z), m.z)};
+      const V s = set(standing(blob_s)), k = k_changing ? number(blob_k) : set(standing(blob_k));
       const V along = dot(c, d);
       const V3 across{hn::NegMulAdd(along, d.x, c.x), hn::NegMulAdd(along, d.y, c.y), hn::NegMulAdd(along, d.z, c.z)};
       const V a = hn::NegMulAdd(k, dot(across, across), s);
@@ -106,26 +102,25 @@ private:
       const V off = hn::Sub(hn::Min(hn::Max(along, minus_half), half_), along);
       const V q = hn::NegMulAdd(k, hn::Mul(off, off), a);
       const auto reaches = hn::And(live, hn::Gt(q, zero));
-      const float r = std::sqrt(blobs[4 * n + i]); // not if k_changing
+      const float r = std::sqrt(standing(blob_k)); // not if k_changing
       const V own_r = k_changing ? hn::Sqrt(k) : set(r);
       // Where a lane does not meet the blob, it must not make a difference whether another does: q < 0 there.
       LaneBlobs& list = active_[i % 2];
       put(list, hn::IfThenElse(reaches, a, set(-1)), hn::IfThenElseZero(reaches, hn::Mul(own_r, along)), r);
-      if constexpr (k_pure) {
+      if constexpr (F.is_pure) {
         curvature = hn::Add(curvature, hn::IfThenElseZero(reaches, hn::Mul(s, k)));
         most = hn::Add(most, hn::IfThenElseZero(reaches, hn::Mul(q, q)));
       } else if constexpr (k_changing) {
-        const V w = number(5, 11), v = number(6, 12);
+        const V w = number(blob_a), v = number(blob_b);
         float* own = list.own.get() + k_own * k_width * list.count;
         hn::Store(own_r, k_lanes, own + 2 * k_width), hn::Store(w, k_lanes, own + 3 * k_width), hn::Store(v, k_lanes, own + 4 * k_width);
-        const V bend = hn::Add(hn::Max(hn::Mul(set(4), w), hn::Mul(set(-8), w)), hn::Max(hn::Mul(set(6), v), hn::Mul(set(-4.8f), v)));
-        curvature = hn::Add(curvature, hn::IfThenElseZero(reaches, hn::Mul(bend, k)));
+        curvature = hn::Add(curvature, hn::IfThenElseZero(reaches, hn::Mul(most_bend(w, v), k)));
         const V peak = hn::Mul(hn::Mul(q, q), hn::MulAdd(v, q, w));
         most = hn::Add(most, hn::IfThenElseZero(reaches, hn::Max(peak, zero)));
       } else {
-        const float w = blobs[5 * n + i], v = blobs[6 * n + i];
+        const float w = standing(blob_a), v = standing(blob_b);
         list.w[list.count] = w, list.v[list.count] = v;
-        const float bend = std::max(4 * w, -8 * w) + std::max(6 * v, -4.8f * v);
+        const float bend = most_bend(k_square_curvature, w) + most_bend(k_cube_curvature, v);
         curvature = hn::Add(curvature, hn::IfThenElseZero(reaches, hn::Mul(set(bend), k)));
         const V peak = hn::Mul(hn::Mul(q, q), hn::MulAdd(set(v), q, set(w)));
         most = hn::Add(most, hn::IfThenElseZero(reaches, hn::Max(peak, zero)));
@@ -134,7 +129,7 @@ private:
     }
     for (int i : {0, 1}) // so that they may be read in pairs
       for (; active_[i].count < active_[1 - i].count; ++active_[i].count) put(active_[i], set(-1), zero, 0);
-    curvature_ = hn::Mul(set(k_pure ? 4.0004f : 1.0001f), curvature);
+    curvature_ = hn::Mul(set(k_wider * (F.is_pure ? most_bend(k_square_curvature, 1.f) : 1.f)), curvature);
     return most;
   }
 
@@ -155,7 +150,7 @@ private:
       r = set(list.r[i]);
     const V off = hn::MulSub(r, s, hn::Load(k_lanes, own + k_width));
     const V q = hn::Max(hn::NegMulAdd(off, off, hn::Load(k_lanes, own)), hn::Zero(k_lanes));
-    if constexpr (k_pure)
+    if constexpr (F.is_pure)
       return hn::MulAdd(q, q, f);
     else if constexpr (k_changing)
       return hn::MulAdd(hn::Mul(q, q), hn::MulAdd(hn::Load(k_lanes, own + 4 * k_width), q, hn::Load(k_lanes, own + 3 * k_width)), f);
@@ -250,7 +245,7 @@ private:
   std::array<LaneBlobs, 2>& active_;
 };
 
-template <Cell::Content C>
+template <BlobForm F>
 uint32_t SolveGroup(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, size_t first, SolveCounters& counters, float* t) {
   thread_local std::array<LaneBlobs, 2> active;
   const Segments segments(rays, first, cell.box);
@@ -266,7 +261,7 @@ uint32_t SolveGroup(const ShapeCells& shape, const Cell& cell, const RayLanes& r
     const double change = shape.program.motion->end.threshold - shape.program.threshold;
     if (change != 0) threshold = hn::MulAdd(set(static_cast<float>(change)), slab_time, threshold);
   }
-  LaneSolver<C>(threshold, slab_time, counters.blob_packets, active).run(cell.data, cell.count, segments, enough, hit, unsure, at);
+  LaneSolver<F>(threshold, slab_time, counters.blob_packets, active).run(cell.blobs, segments, enough, hit, unsure, at);
   hn::StoreU(at, k_lanes, t);
   uint32_t hits = bits_of(hit);
   if (!none(unsure)) settle(solve_blobs, shape, cell, rays, first, segments, bits_of(unsure), hits, counters.blobs, t);
@@ -275,14 +270,12 @@ uint32_t SolveGroup(const ShapeCells& shape, const Cell& cell, const RayLanes& r
 
 uint32_t SolveBlobsLanes(const ShapeCells& shape, const Cell& cell, const RayLanes& rays, SolveCounters& counters, float* t) {
   if (rays.count < k_width) return solve_one_by_one(shape, cell, rays, counters, t); // Embree was told to use narrow vectors
-  using Content = Cell::Content;
-  const auto group = cell.content == Content::pure_blobs          ? SolveGroup<Content::pure_blobs>
-                     : cell.content == Content::mixed_blobs       ? SolveGroup<Content::mixed_blobs>
-                     : cell.content == Content::moving_pure_blobs ? SolveGroup<Content::moving_pure_blobs>
-                                                                  : SolveGroup<Content::moving_mixed_blobs>;
-  uint32_t hits = 0;
-  for (size_t first = 0; first < rays.count; first += k_width) hits |= group(shape, cell, rays, first, counters, t + first) << first;
-  return hits;
+  return for_form(cell.blobs.form, [&]<BlobForm F>() {
+    uint32_t hits = 0;
+    for (size_t first = 0; first < rays.count; first += k_width)
+      hits |= SolveGroup<F>(shape, cell, rays, first, counters, t + first) << first;
+    return hits;
+  });
 }
 
 } // namespace HWY_NAMESPACE

@@ -6,13 +6,13 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "renderer/trace/solve_tree_lanes.cpp"
-#include <hwy/aligned_allocator.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
 #include <array>
 #include <cmath>
 
+#include "renderer/lanes/aligned_floats.h"
 #include "renderer/lanes/lanes-inl.h"
 #include "renderer/lanes/solid_leaf-inl.h"
 #include "renderer/lanes/tree_joins-inl.h"
@@ -30,16 +30,16 @@ namespace kelpie {
 /// A packet in the frames of the leaves that some lane meets: (x, y, z)(s) = first three + s * last three, a vector
 /// each. Of leaves in warped spaces the first alone counts: 0, or far away.
 struct LaneTree {
-  hwy::AlignedFreeUniquePtr<float[]> frames;
-  std::vector<uint32_t> leaves;               ///< which they are, `leaf_count` of them
-  std::vector<TreeStep> steps;                ///< the tree's, with what is left of their leaves
-  hwy::AlignedFreeUniquePtr<float[]> reaches; ///< of each solid, a vector: 1 where a lane meets it, else 0
+  AlignedFloats frames;
+  std::vector<uint32_t> leaves; ///< which they are, `leaf_count` of them
+  std::vector<TreeStep> steps;  ///< the tree's, with what is left of their leaves
+  AlignedFloats reaches;        ///< of each solid, a vector: 1 where a lane meets it, else 0
   size_t leaf_count = 0, capacity = 0, solid_capacity = 0;
 
   void begin(size_t n, size_t solids) {
     leaf_count = 0, steps.clear();
-    if (capacity < n) capacity = n, frames = hwy::AllocateAligned<float>(n * 6 * k_packet), leaves.resize(n);
-    if (solid_capacity < solids) solid_capacity = solids, reaches = hwy::AllocateAligned<float>(solids * k_packet);
+    if (capacity < n) frames = aligned_floats(n * 6 * k_packet), leaves.resize(n), capacity = n;
+    if (solid_capacity < solids) reaches = aligned_floats(solids * k_packet), solid_capacity = solids;
   }
 };
 

@@ -1,79 +1,12 @@
 // The tracer: rays against everything in a frame.
 #pragma once
 
-#include <optional>
-
-#include "field/motion.h"
-#include "renderer/trace/cell_scene.h"
+#include "renderer/program/leaves_at.h"
+#include "renderer/trace/build_scenes.h"
 #include "renderer/trace/media.h"
-#include "renderer/trace/mesh_scene.h"
-#include "scene/scene.h"
+#include "renderer/trace/planes.h"
 
 namespace kelpie {
-
-struct Hit {
-  float t = 0;
-  Vec3 position{0};
-  Vec3 normal{0};                   ///< unit, out of the shape (for a plane: its upper side); smooth on a mesh. It faces the ray
-                                    ///< where the surface does
-  uint32_t shape = 0;               ///< index into FrameScene::shapes
-  uint32_t cell = 0;                ///< of `slab`
-  const ShapeCells* slab = nullptr; ///< the shape's cells at the ray's time; null where it is geometry
-  float time = 0;                   ///< the ray's
-  float epsilon = 0;                ///< offset of secondary rays along the normal, on the side where they start
-  /// The ray comes out of the shape here; else it goes in. (What is below a plane is inside it.)
-  bool is_leaving = false;
-  /// From the position to where rays on the near side start, but for the offset: the facets of a smooth mesh lie
-  /// below the surface that they stand for, and would shadow one another.
-  Vec3 lift{0};
-};
-
-/// The normal, turned to the side from which the ray came. What is near and far of a surface is decided by it alone.
-Vec3 facing_normal(const Ray& arrived, const Hit&);
-
-/// The sides of a surface, as the ray has it that met it: where it came from, and where it would go.
-enum class Side { near, far };
-
-/// A ray that starts at a hit: reflected or towards a light (near), or into what is behind the surface (far).
-/// It lies in the shapes that `arrived` lay in, but for the surface that it crosses.
-Ray depart(const Ray& arrived, const Hit&, const Vec3& direction, Side);
-
-/// What a frame was built of, for the next one: whatever has not changed is not built again.
-struct KeptScenes {
-  std::shared_ptr<const CellScene> cells;
-  CellLimits limits; ///< of `cells`
-  std::shared_ptr<const MeshScene> meshes;
-  bool is_exposed = false; ///< `cells` were built for an open shutter
-};
-
-/// The states of something that costs nothing to keep, at this many equal steps of the exposure.
-inline constexpr int k_states = 65;
-
-/// Between states at equal steps of the exposure; of something that stands there is one.
-template <class Kind>
-Kind state_at(const std::vector<Kind>& states, float time) {
-  if (states.size() == 1) return states[0];
-  const float place = time * static_cast<float>(states.size() - 1);
-  const size_t i = std::min(static_cast<size_t>(place), states.size() - 2);
-  return interpolated(states[i], states[i + 1], place - static_cast<float>(i));
-}
-
-/// The states of what `part(FrameScene)` is of a scene, so many frames later.
-template <class Part>
-auto states_of(const FrameScene& frame, double later, Part&& part) {
-  const Exposure exposure = frame.exposure();
-  std::vector states{part(frame)};
-  if (exposure.length == 0) return states;
-  const auto first = part(frame.moment(exposure.start + later));
-  bool moves = false;
-  states.clear();
-  for (int i = 0; i < k_states; ++i) {
-    states.push_back(part(frame.moment(exposure.frame_at(double(i) / (k_states - 1)) + later)));
-    moves = moves || !is_same(states.back(), first);
-  }
-  if (!moves) states.resize(1);
-  return states;
-}
 
 /// The surfaces of a frame, ready for rays. Building runs in the current TBB arena.
 class Tracer {
@@ -101,9 +34,12 @@ public:
   /// all of its velocity.)
   Vec3 velocity(const Hit&) const;
 
+  /// The leaves that make the field where a ray hit it, if that is an implicit shape; the limits must ask for identities.
+  void leaves_at(const Hit&, std::vector<LeafAt>& out) const;
+
   /// The most slabs of time that any shape has, each of the same length.
   size_t slab_count() const { return cells_->slab_count(); }
-  /// Into so many equal windows time is divided: a packet's rays had better share one.
+  /// See CellScene.
   size_t window_count() const { return cells_->window_count(); }
 
   /// The box around all implicit shapes; empty if there are none.
@@ -114,43 +50,19 @@ public:
   /// Cells that the last frame had left.
   size_t kept_cell_count() const { return kept_cells_; }
 
+  const CellScene& cells() const { return *cells_; }
+
 private:
-  friend class Surroundings;
-
-  /// An infinite plane and the shape that it is.
-  struct PlaneShape {
-    std::vector<Plane<SampledMode>> states; ///< see state_at
-    uint32_t shape;
-  };
-
   bool meet_geometry(const Ray&, Hit&) const;
-  bool meet_planes(const Ray&, Hit&) const;
   void complete(const Ray&, const CellHit&, Hit&) const;
 
   double exposure_ = 0; ///< in frames
   Media media_;
   std::shared_ptr<const CellScene> cells_; ///< one entry a shape of the frame
-  std::vector<PlaneShape> planes_;
+  Planes planes_;
   std::shared_ptr<const MeshScene> meshes_;
   size_t kept_cells_ = 0;
   Box3 bounds_;
-};
-
-/// What the rays that start in a small box start in.
-class Surroundings {
-public:
-  Surroundings(const Tracer&, const Box3& where);
-  /// The implicit shapes around a point of the box, for Ray::inside.
-  ShapeSet shapes_around(const Vec3& p, float time) const;
-
-private:
-  /// What is left of a shape's program in the box, in a slab of time.
-  struct Slab {
-    const ShapeCells* cells;
-    std::optional<bool> is_inside; ///< if it is the same everywhere, always
-    Code code;                     ///< else
-  };
-  std::vector<std::vector<Slab>> shapes_;
 };
 
 } // namespace kelpie

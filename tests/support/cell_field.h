@@ -126,21 +126,18 @@ inline double tree_value(const TreeView& tree, const std::vector<Vec3d>& places,
   return stack.back();
 }
 
-/// A sum of blobs, at a time of the slab.
-inline double blobs_value(Cell::Content content, const float* data, size_t n, const Vec3d& p, double u) {
-  const bool is_pure = content == Cell::Content::pure_blobs || content == Cell::Content::moving_pure_blobs;
-  const bool centres_move = content == Cell::Content::moving_pure_blobs || content == Cell::Content::moving_mixed_blobs;
-  const size_t standing = is_pure ? 5 : 7;
+/// A sum of blobs at a time of the slab, by the formula of blob_list.h.
+inline double blobs_value(const BlobList& blobs, const Vec3d& p, double u) {
+  const bool is_pure = blobs.form.is_pure;
   double sum = 0;
-  for (size_t i = 0; i < n; ++i) {
-    // `change`: which of the numbers that change it is, after the centre's three.
-    const auto number = [&](size_t array, size_t change, bool changes) {
-      return double(data[array * n + i]) + (changes ? u * double(data[(standing + change) * n + i]) : 0);
+  for (size_t i = 0; i < blobs.count; ++i) {
+    const auto number = [&](BlobRow row) {
+      const bool moves = blobs.form.moves && row != blob_s && (!is_pure || row < blob_s);
+      return double(blobs.row(row)[i]) + (moves ? u * double(blobs.row(blobs.form.change_of(row))[i]) : 0);
     };
-    const bool all_change = content == Cell::Content::moving_mixed_blobs;
-    const Vec3d d = p - Vec3d(number(0, 0, centres_move), number(1, 1, centres_move), number(2, 2, centres_move));
-    const double q = std::max(0.0, double(data[3 * n + i]) - number(4, 3, all_change) * glm::dot(d, d));
-    sum += is_pure ? q * q : q * q * (number(5, 4, all_change) + number(6, 5, all_change) * q);
+    const Vec3d d = p - Vec3d(number(blob_x), number(blob_y), number(blob_z));
+    const double q = std::max(0.0, number(blob_s) - number(blob_k) * glm::dot(d, d));
+    sum += is_pure ? q * q : q * q * (number(blob_a) + number(blob_b) * q);
   }
   return sum;
 }
@@ -148,15 +145,13 @@ inline double blobs_value(Cell::Content content, const float* data, size_t n, co
 /// The field as a cell has it, by the formulas of cells.h, at a time of the slab.
 inline double cell_value(const ShapeCells& shape, const Cell& cell, const Vec3d& p, double u = 0) {
   const FieldProgram& program = shape.program;
-  if (cell.has_code()) {
-    const CodeView code = shape.code(cell);
-    return evaluate(at(program, code, u), code, Point3<double>{p.x, p.y, p.z});
+  switch (cell.content) {
+  case Cell::Content::blobs: return blobs_value(cell.blobs, p, u);
+  case Cell::Content::tree: return tree_value(*cell.tree, places_in(program, *cell.tree, cell.centre, p), threshold_at(program, u));
+  case Cell::Content::moving_tree:
+  case Cell::Content::code: break;
   }
-  if (cell.content == Cell::Content::tree) {
-    const TreeView tree = shape.tree(cell);
-    return tree_value(tree, places_in(program, tree, cell.centre, p), threshold_at(program, u));
-  }
-  return blobs_value(cell.content, cell.data, cell.count, p, u);
+  return evaluate(at(program, *cell.code, u), *cell.code, Point3<double>{p.x, p.y, p.z});
 }
 
 /// The field of the whole program.
