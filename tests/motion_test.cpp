@@ -166,7 +166,7 @@ TEST(MovingBounds, ContainSamples) {
     if (HasFailure()) return;
   }
   EXPECT_GT(moving, 200);
-  EXPECT_GT(positive, 20 * moving);
+  EXPECT_GT(positive, 4 * moving);
   EXPECT_GT(outside, 20 * moving);
 }
 
