@@ -17,13 +17,13 @@ bool is_code(const Cell& cell) { return cell.content == Cell::Content::code || c
 
 /// What of the cells was compared with the whole field.
 struct Compared {
-  size_t points = 0, gradients = 0;          ///< points: off the surface
+  size_t points = 0, normals = 0;            ///< points: off the surface
   size_t in_warped_cells = 0, in_motion = 0; ///< of the points
 };
 
-/// The gradients of a cell and of the whole field at a place of the surface between two points. (Where the field is torn, nearly flat
+/// The normals of a cell and of the whole field at a place of the surface between two points. (Where the field is torn, nearly flat
 /// or creased a place rounded to float has none to compare.)
-void expect_same_gradient(const ShapeCells& shape, const Cell& cell, Vec3d a, Vec3d b, double u, Compared& compared) {
+void expect_same_normal(const ShapeCells& shape, const Cell& cell, Vec3d a, Vec3d b, double u, Compared& compared) {
   const FieldProgram& program = shape.program;
   const double threshold = threshold_at(program, u);
   const auto is_inside = [&](const Vec3d& p) { return whole_value(program, p, u) > threshold; };
@@ -36,11 +36,11 @@ void expect_same_gradient(const ShapeCells& shape, const Cell& cell, Vec3d a, Ve
   const bool is_torn = std::abs(whole_value(program, Vec3d(p), u) - threshold) > 1e-3 * threshold + 1e-6 * length;
   if (is_torn || !(length > 0.3) || !(glm::distance(whole, near) < 1e-3 * length)) return;
   const Vec3d own(cell_gradient(shape, cell, p, shape.slab_start + float(u) / shape.slabs));
-  ++compared.gradients;
-  EXPECT_LT(glm::distance(own, whole), 0.02 * length) << "at " << p.x << ' ' << p.y << ' ' << p.z;
+  ++compared.normals;
+  EXPECT_LT(glm::distance(glm::normalize(own), whole / length), 0.02) << "at " << p.x << ' ' << p.y << ' ' << p.z;
 }
 
-/// Inside and outside are the same as of the whole field at random points and times of every cell, and so is the gradient on the
+/// Inside and outside are the same as of the whole field at random points and times of every cell, and so is the normal on the
 /// surface.
 void expect_pruned_equals_full(const ShapeCells& shape, Compared& compared, double precision = 1e-5) {
   const FieldProgram& program = shape.program;
@@ -58,7 +58,7 @@ void expect_pruned_equals_full(const ShapeCells& shape, Compared& compared, doub
           << "at " << p.x << ' ' << p.y << ' ' << p.z << ", time " << u << ", content " << int(cell.content);
       ++compared.points, compared.in_warped_cells += is_warped(cell), compared.in_motion += program.motion != nullptr;
     }
-    if (inside && outside) expect_same_gradient(shape, cell, *inside, *outside, u, compared);
+    if (inside && outside) expect_same_normal(shape, cell, *inside, *outside, u, compared);
   }
 }
 void expect_pruned_equals_full(const SampledField& field, double threshold, Compared& compared, const CellLimits& limits = {},
@@ -132,7 +132,7 @@ TEST(Cells, PrunedEqualsFullInClouds) {
     for (const BlobCloud& cloud : {coincident_cloud(f), thin_cloud(f), negative_cloud(f)})
       expect_pruned_equals_full(field_of(cloud), 1, compared);
   EXPECT_GT(compared.points, 50'000u);
-  EXPECT_GT(compared.gradients, 2000u);
+  EXPECT_GT(compared.normals, 2000u);
 }
 
 TEST(Cells, PrunedEqualsFullInTrees) {
@@ -145,7 +145,7 @@ TEST(Cells, PrunedEqualsFullInTrees) {
     expect_pruned_equals_full(field, trial % 2 ? 1 : 0.6, compared, k_small_cells);
   }
   EXPECT_GT(compared.points, 10'000u);
-  EXPECT_GT(compared.gradients, 700u);
+  EXPECT_GT(compared.normals, 700u);
 }
 
 TEST(Cells, PrunedEqualsFullOfEveryKind) {
@@ -160,7 +160,7 @@ TEST(Cells, PrunedEqualsFullOfEveryKind) {
   }
   EXPECT_GT(compared.points, 20'000u);
   EXPECT_GT(compared.in_warped_cells, compared.points / 10);
-  EXPECT_GT(compared.gradients, 1000u);
+  EXPECT_GT(compared.normals, 1000u);
 }
 
 TEST(Cells, PrunedEqualsFullInMotion) {
@@ -179,7 +179,7 @@ TEST(Cells, PrunedEqualsFullInMotion) {
     look(random_moving_field(kinds, trial), 1, {}, 1, 1e-3);
   }
   EXPECT_GT(compared.in_motion, 10'000u) << "of trees";
-  EXPECT_GT(compared.gradients, 500u);
+  EXPECT_GT(compared.normals, 500u);
 }
 
 // What a box is cut back by holds nothing of the surface. (Boxes of cells are cut back already: this goes on with it.)

@@ -125,7 +125,7 @@ void expect_right(const std::vector<SampledField>& fields, int rays, WalkTally& 
   EXPECT_EQ(tally.wrong_surfaces, 0);
   EXPECT_EQ(tally.wrong_sides, 0);
   EXPECT_EQ(tally.endless, 0);
-  EXPECT_GT(tally.sides, 2 * tally.surfaces);
+  EXPECT_GT(2 * tally.sides, tally.surfaces);
   EXPECT_GE(tally.in_packets, tally.surfaces - 2 - tally.surfaces / 1000);
   met.surfaces += tally.surfaces, met.deepest = std::max(met.deepest, tally.deepest);
 }

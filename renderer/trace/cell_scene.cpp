@@ -184,11 +184,14 @@ void cell_occluded(const RTCOccludedFunctionNArguments* args) noexcept {
   });
 }
 
-/// Up to 16 rays into a packet; the other lanes take no part.
+/// Up to 16 rays into a packet; the other lanes take no part, nor do those whose ray is none. Embree looks at the numbers of all lanes,
+/// so these hold a ray like any other.
 template <class Packet>
 void fill(std::span<const Ray> rays, Packet& out) {
+  Ray idle;
+  idle.origin = Vec3(0), idle.direction = Vec3(0, 0, 1);
   for (size_t i = 0; i < k_packet; ++i) {
-    const Ray& ray = rays[i < rays.size() ? i : 0]; // lanes without a ray hold a copy: numbers like any
+    const Ray& ray = i < rays.size() && is_traceable(rays[i]) ? rays[i] : idle;
     out.org_x[i] = ray.origin.x, out.org_y[i] = ray.origin.y, out.org_z[i] = ray.origin.z;
     out.dir_x[i] = ray.direction.x, out.dir_y[i] = ray.direction.y, out.dir_z[i] = ray.direction.z;
     out.tnear[i] = ray.t_near, out.tfar[i] = ray.t_far, out.time[i] = ray.time;
