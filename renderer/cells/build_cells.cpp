@@ -52,7 +52,7 @@ private:
     const size_t elements = element_count(code);
     const Vec3d extent = box.extent();
     const double side = std::max({extent.x, extent.y, extent.z});
-    const bool is_sparse = elements <= limits_.elements && side <= limits_.sparse_side * radius && !has_lattice(code);
+    const bool is_sparse = elements <= limits_.elements && side <= limits_.sparse_side * radius && !has_lattice(program_, code);
     const bool is_leaf = (is_sparse || side <= limits_.side_in_radii * radius) && is_calm(box, code, side, radius);
     if (is_leaf || depth >= limits_.depth)
       add_cells(box, code, keeps_programs ? &kept : nullptr, radius, out);
@@ -66,15 +66,6 @@ private:
     maker_.add(box, code, kept, radius, memory, out);
     if (limits_.budget && out.size() > cells)
       limits_.budget->take(memory.bytes() - bytes + (out.size() - cells) * (sizeof(Cell) + k_tree_bytes_per_cell));
-  }
-
-  /// Whether something in a code is known by samples on a lattice: bounds of it are narrow over few of them only.
-  bool has_lattice(const Code& code) const {
-    return std::any_of(code.steps.begin(), code.steps.end(), [&](const Instruction& step) {
-      return step.kind == Instruction::Kind::skeleton && visit_skeleton(step.node, [](const auto& kind) -> double {
-                                                           return requires { kind.feature_size(); };
-                                                         }) > 0;
-    });
   }
 
   /// Whether rays are nearly lines in the spaces of a cell; below a part of a radius it matters less.

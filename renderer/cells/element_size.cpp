@@ -1,5 +1,6 @@
 #include "renderer/cells/element_size.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -64,6 +65,13 @@ double smallest_influence(const FieldProgram& program, const Code& code) {
       least = std::min(least, smallest_scale(program, step.space) *
                                   visit_skeleton(program, step.node, [](const auto& kind) { return reach_of(kind); }));
   return least;
+}
+
+bool has_lattice(const FieldProgram& program, const Code& code) {
+  return std::any_of(code.steps.begin(), code.steps.end(), [&](const Instruction& step) {
+    if (step.kind != Instruction::Kind::skeleton) return false;
+    return visit_skeleton(program, step.node, [](const auto& kind) -> double { return requires { kind.feature_size(); }; }) > 0;
+  });
 }
 
 } // namespace kelpie
