@@ -50,7 +50,7 @@ MadeUp<AnimatedMode> made_up() {
   MadeUp<AnimatedMode> kind;
   kind.children = {leaf(), leaf()};
   kind.features.resize(2);
-  for (auto& feature : kind.features) feature.where = leaf(), feature.of = {"part", {}, leaf()}, feature.share = rising(1);
+  for (auto& feature : kind.features) feature.where = leaf(), feature.of.target = leaf(), feature.share = rising(1);
   kind.features[1].places = {Animated<Vec3>({{0, Vec3(0), {}}, {10, Vec3(10), {}}}, Interpolation::linear), Vec3(7)};
   kind.weights = {rising(2), 5.f, rising(3)};
   kind.region = leaf(), kind.count = 9;
