@@ -50,7 +50,7 @@ MadeUp<AnimatedMode> made_up() {
   MadeUp<AnimatedMode> kind;
   kind.children = {leaf(), leaf()};
   kind.features.resize(2);
-  for (auto& feature : kind.features) feature.where = leaf(), feature.of = {"part", {}, leaf()}, feature.share = rising(1);
+  for (auto& feature : kind.features) feature.where = leaf(), feature.of.target = leaf(), feature.share = rising(1);
   kind.features[1].places = {Animated<Vec3>({{0, Vec3(0), {}}, {10, Vec3(10), {}}}, Interpolation::linear), Vec3(7)};
   kind.weights = {rising(2), 5.f, rising(3)};
   kind.region = leaf(), kind.count = 9;
@@ -79,26 +79,26 @@ TEST(Tables, LeadToEveryEdge) {
 TEST(Tables, AreSampledThroughout) {
   const std::vector<unsigned> nodes{10, 11, 12, 13, 14, 15, 16};
   const MadeUp<AnimatedMode> animated = made_up();
-  const MadeUp<SampledMode> at_4 = sample_record(animated, 4, nodes.data());
+  const MadeUp<SampledMode> at_5 = sample_record(animated, 5, nodes.data());
   std::vector<unsigned> edges;
-  for_each_edge(at_4, [&](unsigned node, const ParameterRules&) { edges.push_back(node); });
+  for_each_edge(at_5, [&](unsigned node, const ParameterRules&) { edges.push_back(node); });
   EXPECT_EQ(edges, nodes);
-  EXPECT_EQ(at_4.weights, (std::vector{6.f, 5.f, 7.f}));
-  EXPECT_EQ(at_4.features[1].share, 5);
-  EXPECT_EQ(at_4.features[1].places, (std::vector{Vec3(4), Vec3(7)}));
-  EXPECT_EQ(at_4.count, 9);
-  EXPECT_EQ(at_4.loaded, animated.loaded);
+  EXPECT_EQ(at_5.weights, (std::vector{7.f, 5.f, 8.f}));
+  EXPECT_EQ(at_5.features[1].share, 6);
+  EXPECT_EQ(at_5.features[1].places, (std::vector{Vec3(5), Vec3(7)}));
+  EXPECT_EQ(at_5.count, 9);
+  EXPECT_EQ(at_5.loaded, animated.loaded);
 }
 
 // No number of a kind stands because of where it is kept.
 TEST(Tables, MoveThroughout) {
   const std::vector<unsigned> nodes(7, 1);
   const auto at = [&](double frame) { return sample_record(made_up(), frame, nodes.data()); };
-  const MadeUp<SampledMode> a = at(2), b = at(4), middle = interpolated(a, b, 0.5);
-  EXPECT_EQ(middle.weights, at(3).weights);
-  EXPECT_EQ(middle.features[0].share, at(3).features[0].share);
-  EXPECT_EQ(middle.features[1].places, at(3).features[1].places);
-  EXPECT_TRUE(is_same(a, at(2)));
+  const MadeUp<SampledMode> a = at(0), b = at(10), middle = interpolated(a, b, 0.5);
+  EXPECT_EQ(middle.weights, at(5).weights);
+  EXPECT_EQ(middle.features[0].share, at(5).features[0].share);
+  EXPECT_EQ(middle.features[1].places, at(5).features[1].places);
+  EXPECT_TRUE(is_same(a, at(0)));
   const auto differs = [&](const auto& change) {
     MadeUp<SampledMode> other = a;
     change(other);

@@ -64,7 +64,7 @@ TEST(Operands, OfSeveralRolesAreToldApartByTheirPlaces) {
       const K kind;
       bool has_roles = false;
       for_each_operand(kind, [&](const Operand& operand) { has_roles |= operand.role != Role::child; });
-      if (has_roles) EXPECT_TRUE(is_positional<K>()) << K::k_name;
+      EXPECT_TRUE(!has_roles || is_positional<K>()) << K::k_name;
       several += has_roles;
     }
   });

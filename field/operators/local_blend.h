@@ -57,13 +57,13 @@ the one becomes the other. So a hand may touch a face without growing into it. S
   }
 
   /// What is 0 throughout is as good as the constant. A child beside which there is nothing, and that is never negative, needs no region;
-  /// nor does an only child.
+  /// nor does an only child, or nothing.
   void keep(std::span<const Interval> f, double /*threshold*/, Demand /*mine*/, std::span<char> kept) const {
     const size_t count = f.size() - 1;
     size_t left = 0, last = 0;
     for (size_t i = 0; i < count; ++i)
       if ((kept[i] = f[i].lo != 0 || f[i].hi != 0)) ++left, last = i;
-    if (left == 1 && (f[last].lo >= 0 || count == 1)) kept[count] = false;
+    if (left == 0 || (left == 1 && (f[last].lo >= 0 || count == 1))) kept[count] = false;
   }
   Demand demand_of_operands(Demand mine, size_t count) const { return count == 1 ? mine : Demand::value; }
 
