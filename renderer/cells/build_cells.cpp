@@ -52,7 +52,7 @@ private:
     const size_t elements = element_count(code);
     const Vec3d extent = box.extent();
     const double side = std::max({extent.x, extent.y, extent.z});
-    const bool is_sparse = elements <= limits_.elements && side <= limits_.sparse_side * radius && !has_lattice(code);
+    const bool is_sparse = elements <= limits_.elements && side <= std::min(limits_.sparse_side * radius, side_by_lattices(code));
     const bool is_leaf = (is_sparse || side <= limits_.side_in_radii * radius) && is_calm(box, code, side, radius);
     if (is_leaf || depth >= limits_.depth)
       add_cell(box, code, radius, out);
@@ -60,13 +60,16 @@ private:
       subdivide(box, code, elements, depth, out);
   }
 
-  /// Whether something in a code is known by samples on a lattice: bounds of it are narrow over few of them only.
-  bool has_lattice(const Code& code) const {
-    return std::any_of(code.steps.begin(), code.steps.end(), [&](const Instruction& step) {
-      return step.kind == Instruction::Kind::skeleton && visit_skeleton(step.node, [](const auto& kind) -> double {
-                                                           return requires { kind.feature_size(); };
-                                                         }) > 0;
-    });
+  /// Below this side a cell holds few of the voxels of what is known by samples on a lattice: bounds over many are wide.
+  double side_by_lattices(const Code& code) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Instruction& step : code.steps)
+      if (step.kind == Instruction::Kind::skeleton)
+        least = std::min(least, limits_.side_in_radii * smallest_scale(step.space) * visit_skeleton(step.node, [](const auto& kind) {
+                                  if constexpr (requires { kind.feature_size(); }) return kind.feature_size();
+                                  return std::numeric_limits<double>::infinity();
+                                }));
+    return least;
   }
 
   /// Whether rays are nearly lines in the spaces of a cell; below a part of a radius it matters less.
