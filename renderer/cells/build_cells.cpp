@@ -52,7 +52,8 @@ private:
     const size_t elements = element_count(code);
     const Vec3d extent = box.extent();
     const double side = std::max({extent.x, extent.y, extent.z});
-    const bool is_sparse = elements <= limits_.elements && side <= limits_.sparse_side * radius && !has_lattice(program_, code);
+    const double side_by_lattices = limits_.side_in_radii * smallest_lattice(program_, code);
+    const bool is_sparse = elements <= limits_.elements && side <= std::min(limits_.sparse_side * radius, side_by_lattices);
     const bool is_leaf = (is_sparse || side <= limits_.side_in_radii * radius) && is_calm(box, code, side, radius);
     if (is_leaf || depth >= limits_.depth)
       add_cells(box, code, keeps_programs ? &kept : nullptr, radius, out);

@@ -1,6 +1,5 @@
 #include "renderer/cells/element_size.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -67,11 +66,15 @@ double smallest_influence(const FieldProgram& program, const Code& code) {
   return least;
 }
 
-bool has_lattice(const FieldProgram& program, const Code& code) {
-  return std::any_of(code.steps.begin(), code.steps.end(), [&](const Instruction& step) {
-    if (step.kind != Instruction::Kind::skeleton) return false;
-    return visit_skeleton(program, step.node, [](const auto& kind) -> double { return requires { kind.feature_size(); }; }) > 0;
-  });
+double smallest_lattice(const FieldProgram& program, const Code& code) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Instruction& step : code.steps)
+    if (step.kind == Instruction::Kind::skeleton)
+      least = std::min(least, smallest_scale(program, step.space) * visit_skeleton(program, step.node, [](const auto& kind) -> double {
+                                if constexpr (requires { kind.feature_size(); }) return kind.feature_size();
+                                return std::numeric_limits<double>::infinity();
+                              }));
+  return least;
 }
 
 } // namespace kelpie

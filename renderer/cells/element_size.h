@@ -14,7 +14,8 @@ double smallest_radius(const FieldProgram&, const Code&);
 /// The smallest radius of influence of the skeletons, without their own size, in world units; infinite if there is none.
 double smallest_influence(const FieldProgram&, const Code&);
 
-/// Whether something in a code is known by samples on a lattice: bounds of it are narrow over few of them only.
-bool has_lattice(const FieldProgram&, const Code&);
+/// How fine the finest lattice is by whose samples something is known, in world units; infinite if there is none. Bounds of it are
+/// narrow over few voxels only.
+double smallest_lattice(const FieldProgram&, const Code&);
 
 } // namespace kelpie
