@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <deque>
-#include <new>
-#include <stdexcept>
 
 #include <embree3/rtcore.h>
 #include <pmmintrin.h>
 #include <xmmintrin.h>
+
+#include "renderer/trace/embree_device.h"
 
 namespace kelpie {
 
@@ -35,15 +34,12 @@ struct Window {
 
 struct CellScene::State {
   std::vector<Slabs> shapes;
-  RTCDevice device = nullptr;
+  EmbreeDevice device;
   std::deque<Window> windows;
   std::vector<RTCScene> scenes; ///< one for each window of time of the shape with most of them
-  std::atomic<ssize_t> embree_bytes{0};
-  std::atomic<RTCError> error{RTC_ERROR_NONE};
 
   ~State() {
     for (RTCScene scene : scenes) rtcReleaseScene(scene);
-    if (device) rtcReleaseDevice(device);
   }
 
   RTCScene at(float time) const { return scenes[slab_of(time, scenes.size())]; }
@@ -226,23 +222,13 @@ void attach(RTCDevice device, std::span<const RTCScene> scenes, const Window& wi
 } // namespace
 
 CellScene::CellScene(std::vector<Slabs> shapes) : state_(std::make_unique<State>()) {
-  flush_denormals_in_this_thread();
   State& s = *state_;
   s.shapes = std::move(shapes);
-  s.device = rtcNewDevice(nullptr);
-  if (!s.device) throw std::runtime_error("Embree: no device");
-  const auto on_error = [](void* state, RTCError code, const char*) { static_cast<State*>(state)->error = code; };
-  rtcSetDeviceErrorFunction(s.device, on_error, &s);
-  const auto on_memory = [](void* state, ssize_t bytes, bool) {
-    static_cast<State*>(state)->embree_bytes += bytes;
-    return true;
-  };
-  rtcSetDeviceMemoryMonitorFunction(s.device, on_memory, &s);
   const auto windows_of = [](const Slabs& slabs) { return slabs.size() * slabs[0]->windows(); };
   size_t windows = 1;
   for (const Slabs& shape : s.shapes) windows = std::max(windows, windows_of(shape));
   for (size_t i = 0; i < windows; ++i) {
-    s.scenes.push_back(rtcNewScene(s.device));
+    s.scenes.push_back(rtcNewScene(s.device.get()));
     rtcSetSceneFlags(s.scenes.back(), RTC_SCENE_FLAG_ROBUST); // cells share walls: no ray may slip through
   }
   for (unsigned i = 0; i < s.shapes.size(); ++i) {
@@ -252,12 +238,11 @@ CellScene::CellScene(std::vector<Slabs> shapes) : state_(std::make_unique<State>
       for (size_t j = 0; j < shape->windows(); ++j, first_scene += share) {
         const std::span<const Cell> cells = shape->cells_in(j);
         s.windows.push_back({shape.get(), static_cast<uint32_t>(cells.data() - shape->cells.data()), cells});
-        attach(s.device, std::span(s.scenes).subspan(first_scene, share), s.windows.back(), i);
+        attach(s.device.get(), std::span(s.scenes).subspan(first_scene, share), s.windows.back(), i);
       }
   }
   for (RTCScene scene : s.scenes) rtcCommitScene(scene);
-  if (s.error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
-  if (s.error != RTC_ERROR_NONE) throw std::runtime_error("Embree: error " + std::to_string(s.error));
+  s.device.check();
 }
 
 CellScene::~CellScene() = default;
@@ -326,7 +311,7 @@ size_t CellScene::slab_count() const {
 size_t CellScene::window_count() const { return state_->scenes.size(); }
 
 size_t CellScene::bytes() const {
-  size_t n = static_cast<size_t>(state_->embree_bytes.load());
+  size_t n = state_->device.bytes();
   for (const auto& slabs : state_->shapes)
     for (const auto& s : slabs) n += s->bytes();
   return n;

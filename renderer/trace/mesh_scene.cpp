@@ -1,13 +1,12 @@
 #include "renderer/trace/mesh_scene.h"
 
-#include <atomic>
 #include <cstring>
 #include <new>
-#include <stdexcept>
 
 #include <embree3/rtcore.h>
 
 #include "renderer/trace/cell_scene.h"
+#include "renderer/trace/embree_device.h"
 
 namespace kelpie {
 
@@ -40,29 +39,14 @@ struct MeshScene::Placed {
 };
 
 struct MeshScene::State {
-  RTCDevice device = nullptr;
+  EmbreeDevice device;
   RTCScene scene = nullptr;
-  std::atomic<ssize_t> embree_bytes{0};
-  std::atomic<RTCError> error{RTC_ERROR_NONE};
 
   State() {
-    flush_denormals_in_this_thread();
-    device = rtcNewDevice(nullptr);
-    if (!device) throw std::runtime_error("Embree: no device");
-    const auto on_error = [](void* state, RTCError code, const char*) { static_cast<State*>(state)->error = code; };
-    rtcSetDeviceErrorFunction(device, on_error, this);
-    const auto on_memory = [](void* state, ssize_t bytes, bool) {
-      static_cast<State*>(state)->embree_bytes += bytes;
-      return true;
-    };
-    rtcSetDeviceMemoryMonitorFunction(device, on_memory, this);
-    scene = rtcNewScene(device);
+    scene = rtcNewScene(device.get());
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST); // watertight where triangles share vertices
   }
-  ~State() {
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
-  }
+  ~State() { rtcReleaseScene(scene); }
 };
 
 MeshScene::~MeshScene() = default;
@@ -127,7 +111,7 @@ void MeshScene::add(const MovingMesh& of) {
   for (const Vec3d& p : corners) box.extend(placed.world_from_file[0](p));
   placed.world_from_file = needed_steps(placed.world_from_file, corners, box.diagonal());
 
-  RTCGeometry geometry = rtcNewGeometry(state_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  RTCGeometry geometry = rtcNewGeometry(state_->device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(placed.world_from_file.size()));
   for (size_t step = 0; step < placed.world_from_file.size(); ++step) {
     // Embree's own buffers: it reads past the end of what others lend it.
@@ -156,8 +140,7 @@ MeshScene::MeshScene(std::span<const MovingMesh> meshes) {
   state_ = std::make_unique<State>();
   for (const MovingMesh& mesh : meshes) add(mesh);
   rtcCommitScene(state_->scene);
-  if (state_->error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
-  if (state_->error != RTC_ERROR_NONE) throw std::runtime_error("Embree: error " + std::to_string(state_->error));
+  state_->device.check();
 }
 
 bool MeshScene::intersect(const Ray& ray, MeshHit& hit) const {
@@ -229,7 +212,7 @@ std::optional<Vec3> MeshScene::velocity(uint32_t shape, const Vec3& position, fl
   return {};
 }
 
-size_t MeshScene::bytes() const { return state_ ? static_cast<size_t>(state_->embree_bytes.load()) : 0; }
+size_t MeshScene::bytes() const { return state_ ? state_->device.bytes() : 0; }
 
 size_t estimated_bytes(const MovingMesh& mesh) {
   const size_t triangles = mesh.states[0].mesh->triangles.size() * k_bytes_per_triangle;
