@@ -1,10 +1,9 @@
 #include "base/atomic_file.h"
 
-#include <array>
-#include <atomic>
 #include <cerrno>
-#include <csignal>
+#include <cstdio>
 #include <cstring>
+#include <deque>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -13,53 +12,13 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/file_bytes.h"
 
 namespace kelpie {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-// The registry: fixed storage, because a signal handler may neither lock nor allocate. A path is
-// complete before `is_live` is set, and is not touched again until it is cleared.
-struct Slot {
-  std::atomic<bool> is_taken{false}, is_live{false};
-  char path[4096];
-};
-std::array<Slot, 64> g_slots;
-static_assert(std::atomic<bool>::is_always_lock_free);
-
-int register_part(const std::string& path) {
-  if (path.size() >= sizeof(Slot::path)) return -1; // open() will say ENAMETOOLONG
-  for (size_t i = 0; i < g_slots.size(); ++i) {
-    bool expected = false;
-    if (!g_slots[i].is_taken.compare_exchange_strong(expected, true)) continue;
-    std::memcpy(g_slots[i].path, path.c_str(), path.size() + 1);
-    g_slots[i].is_live = true;
-    return static_cast<int>(i);
-  }
-  return -1; // 64 files at once: the rest is still removed by its destructor
-}
-
-void forget_part(int slot) noexcept {
-  if (slot < 0) return;
-  g_slots[slot].is_live = false;
-  g_slots[slot].is_taken = false;
-}
-
-void die(int signal_number) {
-  unlink_part_files();
-  std::signal(signal_number, SIG_DFL);
-  std::raise(signal_number);
-}
-
-std::string host_name() {
-  char name[256] = {};
-  if (gethostname(name, sizeof name - 1) != 0) return "localhost";
-  for (char* c = name; *c; ++c)
-    if (*c == '/') *c = '_';
-  return name;
-}
 
 [[noreturn]] void fail_to_write(const std::string& what, const std::string& why) {
   throw Error(ExitStatus::cannot_write, fmt::format("{}: {}", what, why));
@@ -69,101 +28,118 @@ std::string host_name() {
 void make_folder(const fs::path& target, const std::string& shown) {
   const fs::path folder = target.parent_path();
   if (folder.empty()) return;
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (fs::is_directory(folder)) return;
-  for (fs::path p = folder; p.has_relative_path(); p = p.parent_path()) {
-    std::error_code ignored;
+  std::error_code why, ignored;
+  fs::create_directories(folder, why);
+  if (fs::is_directory(folder, ignored)) return;
+  for (fs::path p = folder; p.has_relative_path(); p = p.parent_path())
     if (fs::exists(p, ignored) && !fs::is_directory(p, ignored))
       fail_to_write(shown, fmt::format("{} is a file, not a folder", p.string()));
-  }
-  fail_to_write(shown, fmt::format("cannot make the folder {}: {}", folder.string(), error.message()));
+  fail_to_write(shown, fmt::format("cannot make the folder {}: {}", folder.string(), why.message()));
 }
 
 } // namespace
 
-void unlink_part_files() noexcept {
-  for (Slot& slot : g_slots)
-    if (slot.is_live) unlink(slot.path);
-}
-
-void clean_up_on_signals() {
-  struct sigaction action {};
-  action.sa_handler = die;
-  sigemptyset(&action.sa_mask);
-  for (const int s : {SIGINT, SIGTERM, SIGHUP}) sigaction(s, &action, nullptr);
-}
-
-PartFile::PartFile(const fs::path& target) : shown_(target.string()) {
-  if (!target.has_filename()) fail_to_write(shown_, "is a folder; name a file");
+PartFile::PartFile(const fs::path& target) : shown_(target.string()), target_(target) {
+  if (!target.has_filename()) fail("is a folder; name a file");
   make_folder(target, shown_);
   std::error_code error;
-  const fs::path followed = fs::is_symlink(target, error) ? fs::weakly_canonical(target, error) : target;
-  target_ = followed.empty() ? shown_ : followed.string();
+  if (fs::is_symlink(target, error)) target_ = fs::weakly_canonical(target, error);
+  if (target_.empty()) target_ = target; // a loop of links: open() will say so
   const fs::file_status status = fs::status(target_, error);
-  if (fs::is_directory(status)) fail_to_write(shown_, "is a folder; name a file");
-  is_direct_ = fs::exists(status) && !fs::is_regular_file(status);
-  const fs::path name = fmt::format(".{}.{}.{}.part", followed.filename().string(), host_name(), getpid());
-  part_ = is_direct_ ? target_ : (followed.parent_path() / name).string();
-  if (!is_direct_) {
-    slot_ = register_part(part_);
-    unlink(part_.c_str()); // of a dead process that had our number
-  }
-  file_ = open(part_.c_str(), is_direct_ ? O_WRONLY | O_CLOEXEC : O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (file_ < 0) {
-    const int why = errno;
-    forget_part(slot_);
-    fail(why);
-  }
+  if (fs::is_directory(status)) fail("is a folder; name a file");
+  if (status.type() == fs::file_type::none) fail(error.message()); // it may not be asked for, or cannot exist
+  is_new_ = !fs::exists(status);
+  if (is_new_ || fs::is_regular_file(status))
+    open_part();
+  else
+    open_directly();
 }
 
 PartFile::~PartFile() { drop(); }
 
-void PartFile::drop() noexcept {
-  if (file_ < 0) return;
-  close(file_);
-  file_ = -1;
-  if (!is_direct_) unlink(part_.c_str());
-  forget_part(slot_);
+void PartFile::open_part() {
+  folder_ = open_folder(target_.parent_path(), shown_);
+  remove_what_dead_runs_left(target_.parent_path());
+  do {
+    part_ = unfinished_name();
+    leftover_.emplace(folder_.number(), part_, Leftover::Kind::file);
+    file_ = FileDescriptor(openat(folder_.number(), part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+    if (!file_.is_open() && errno != EEXIST) check(errno);
+  } while (!file_.is_open() || !lock_in_use(file_.number()));
 }
 
-void PartFile::fail(int error_number) const { fail_to_write(shown_, std::strerror(error_number)); }
+void PartFile::open_directly() {
+  part_ = target_.filename().string();
+  std::string why;
+  file_ = open_to_write_in_place(target_.string(), why);
+  if (!why.empty()) fail(why);
+}
 
-void PartFile::write(std::span<const unsigned char> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t n = ::write(file_, bytes.data(), std::min<size_t>(bytes.size(), size_t(1) << 30));
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) fail(errno);
-    if (n == 0) fail(ENOSPC);
-    bytes = bytes.subspan(static_cast<size_t>(n));
-  }
+void PartFile::drop() noexcept {
+  if (file_.is_open() && !is_direct()) unlinkat(folder_.number(), part_.c_str(), 0);
+  file_.close();
+  leftover_.reset();
+}
+
+void PartFile::fail(const std::string& why) const { fail_to_write(shown_, why); }
+
+void PartFile::check(int error_number) const {
+  if (error_number != 0) fail(std::strerror(error_number));
+}
+
+void PartFile::write(std::span<const unsigned char> bytes) { check(write_fully(file_.number(), bytes)); }
+
+size_t PartFile::size() const {
+  struct stat status {};
+  return fstat(file_.number(), &status) == 0 ? static_cast<size_t>(status.st_size) : 0;
+}
+
+void PartFile::sync() {
+  // EINVAL: what it is written to (a pipe, a terminal) has nothing to sync.
+  if (fsync(file_.number()) != 0 && !(is_direct() && errno == EINVAL)) check(errno);
 }
 
 void PartFile::commit() {
-  // EINVAL: what it is written to (a pipe, a terminal) has nothing to sync.
-  if (fsync(file_) != 0 && !(is_direct_ && errno == EINVAL)) fail(errno);
-  const int closing = file_;
-  if (is_direct_) {
-    file_ = -1;
-    if (close(closing) != 0) fail(errno);
-    return;
-  }
-  if (rename(part_.c_str(), target_.c_str()) != 0) fail(errno); // the destructor removes the part
-  file_ = -1;
-  forget_part(slot_);
-  if (close(closing) != 0) fail(errno);
-  const fs::path parent = fs::path(target_).parent_path();
-  const int folder = open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder < 0) return; // a folder that may be written but not read: the rename stands
-  const int synced = fsync(folder) == 0 || errno == EINVAL || errno == ENOTSUP ? 0 : errno;
-  close(folder);
-  if (synced != 0) fail(synced);
+  sync();
+  if (is_direct()) return check(file_.close());
+  if (renameat(folder_.number(), part_.c_str(), folder_.number(), target_.filename().c_str()) != 0)
+    check(errno); // the destructor removes it
+  leftover_.reset();
+  int why = file_.close();
+  if (why == 0) why = sync_folder();
+  if (why != 0) withdraw();
+  check(why);
 }
+
+int PartFile::sync_folder() const {
+  const FileDescriptor folder(openat(folder_.number(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!folder.is_open()) return 0; // a folder that may be written but not read: the rename stands
+  return fsync(folder.number()) == 0 || errno == EINVAL || errno == ENOTSUP ? 0 : errno;
+}
+
+void PartFile::withdraw() noexcept {
+  if (is_new_ && !is_direct()) unlinkat(folder_.number(), target_.filename().c_str(), 0);
+}
+
+void require_writable(const fs::path& target) { PartFile file(target); }
 
 void write_file_atomically(const fs::path& target, std::span<const unsigned char> bytes) {
   PartFile file(target);
   file.write(bytes);
   file.commit();
+}
+
+void write_files_atomically(const std::vector<FileToWrite>& files) {
+  std::deque<PartFile> parts;
+  for (const FileToWrite& f : files) parts.emplace_back(f.target);
+  for (size_t i = 0; i < files.size(); ++i) parts[i].write(as_bytes(files[i].bytes)), parts[i].sync();
+  size_t committed = 0;
+  try {
+    for (; committed < parts.size(); ++committed) parts[committed].commit();
+  } catch (...) {
+    for (size_t i = 0; i < committed; ++i) parts[i].withdraw();
+    throw;
+  }
 }
 
 } // namespace kelpie

@@ -1,28 +1,33 @@
 #include "base/file_bytes.h"
 
+#include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/file_descriptor.h"
 
 namespace kelpie {
 
-std::string read_file_bytes(const std::string& path) {
-  const auto fail = [&](int code) {
-    throw Error(ExitStatus::missing_input, fmt::format("cannot read: {}", std::strerror(code)), {path, 0, 0});
+std::string read_file_bytes(const std::string& path, const ReadLimits& limits) {
+  const auto fail = [&](const std::string& why) {
+    throw Error(ExitStatus::missing_input, fmt::format("cannot read{}{}: {}", limits.what.empty() ? "" : " ", limits.what, why), {path});
   };
-  if (std::error_code ignored; std::filesystem::is_directory(path, ignored)) fail(EISDIR);
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
-  if (!file) fail(errno);
+  std::string refusal;
+  const FileDescriptor file = open_to_read(path, refusal);
+  if (!refusal.empty()) fail(refusal);
+  constexpr size_t k_block = size_t(1) << 18;
+  const std::unique_ptr<char[]> block(new char[k_block]);
   std::string bytes;
-  char buffer[1 << 16];
-  while (const size_t n = std::fread(buffer, 1, sizeof buffer, file.get())) bytes.append(buffer, n);
-  if (std::ferror(file.get())) fail(errno);
+  while (bytes.size() < limits.most) {
+    const long n = read_some(file.number(), block.get(), std::min(k_block, limits.most - bytes.size()));
+    if (n < 0) fail(std::strerror(errno));
+    if (n == 0) break;
+    bytes.append(block.get(), static_cast<size_t>(n));
+  }
   return bytes;
 }
 

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
+#include "base/standard_streams.h"
 #include "cli/command.h"
+#include "cli/failure.h"
 #include "cli/film_options.h"
 #include "colour/spaces.h"
 #include "renderer/check_surfaces.h"
@@ -20,6 +22,7 @@ void check(const std::string& path, const RenderOptions& options) {
   const unsigned threads = options.threads > 0 ? static_cast<unsigned>(options.threads) : std::thread::hardware_concurrency();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   use_ocio_config(options.ocio);
+  set_activity(fmt::format("reading {}", path));
   Diagnostics diagnostics;
   Scene scene = read_scene(path, {options.set, options.allow_paths, !options.no_cache}, diagnostics);
   const PixelBox window = apply_film_options(options, scene.film);
@@ -29,6 +32,7 @@ void check(const std::string& path, const RenderOptions& options) {
   EnvironmentCache environments;
   const std::atomic<bool> stop{false};
   const std::function<void(double)> silent = [](double) {};
+  set_activity("forecasting");
   const Forecast f = forecast(scene, frames, window, {environments, diagnostics, silent, stop, options.max_memory, nullptr});
   print_warnings(diagnostics);
   std::string report = fmt::format("{}: good\n", path);

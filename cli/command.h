@@ -10,12 +10,6 @@
 
 namespace kelpie {
 
-/// Thrown by a command that a signal stopped: once everything is cleaned up, main() dies by the signal, so that
-/// shells and batch systems see what happened.
-struct Interrupted {
-  int signal;
-};
-
 void add_check(CLI::App&);
 void add_fit(CLI::App&);
 void add_kinds(CLI::App&);
@@ -31,8 +25,5 @@ void print_warnings(const Diagnostics&);
 
 /// For options that name a file to write: refuses names that end as another format's do. What has no such ending is fine.
 CLI::Validator ends_in(const std::string& ending);
-
-/// Writes a result to stdout. Throws Error cannot_write where it cannot be written.
-void print_result(std::string_view);
 
 } // namespace kelpie

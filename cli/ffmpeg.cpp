@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <new>
 #include <vector>
 
 #include <fcntl.h>
@@ -18,6 +19,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/leftovers.h"
 
 extern char** environ;
 
@@ -118,7 +120,7 @@ FfmpegPipe::FfmpegPipe(const MovieFormat& format, const std::string& path, std::
   int ends[2];
   errors_ = memfd_create("ffmpeg", MFD_CLOEXEC);
   if (errors_ < 0 || pipe2(ends, O_CLOEXEC) != 0)
-    throw Error(ExitStatus::internal, fmt::format("no pipe to ffmpeg: {}", std::strerror(errno)));
+    throw Error(ExitStatus::try_again, fmt::format("no pipe to ffmpeg: {}", std::strerror(errno)));
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
@@ -131,9 +133,14 @@ FfmpegPipe::FfmpegPipe(const MovieFormat& format, const std::string& path, std::
   posix_spawn_file_actions_destroy(&actions);
   close(ends[0]);
   input_ = ends[1];
-  if (error == 0) return;
+  if (error == 0) {
+    set_helper(child_);
+    return;
+  }
   close(input_);
   close(errors_);
+  if (error == ENOMEM) throw std::bad_alloc();
+  if (error == EAGAIN) throw Error(ExitStatus::try_again, fmt::format("ffmpeg cannot be started: {}", std::strerror(error)));
   if (error == ENOENT) throw Error(ExitStatus::missing_input, "movies are made by ffmpeg, which is not installed (or not on the PATH)");
   throw Error(ExitStatus::missing_input, fmt::format("ffmpeg cannot be started: {}", std::strerror(error)));
 }
@@ -152,6 +159,7 @@ bool FfmpegPipe::wait() {
   while (waitpid(child_, &status, 0) < 0 && errno == EINTR) {
   }
   child_ = -1;
+  set_helper(0);
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 

@@ -2,8 +2,9 @@
 #include <nlohmann/json.hpp>
 
 #include "base/atomic_file.h"
-#include "base/file_bytes.h"
+#include "base/standard_streams.h"
 #include "cli/command.h"
+#include "cli/failure.h"
 #include "cli/fit_options.h"
 #include "field/clouds/cloud_file.h"
 #include "morph/liquid/fit_cache.h"
@@ -27,7 +28,7 @@ FitResult fit_with_progress(const std::string& mesh_path, const FitCommandOption
   return fit_mesh_file(mesh_path, how, !options.no_cache, diagnostics);
 }
 
-void write_stats(const std::string& path, const FitResult& r) {
+std::string stats_of(const FitResult& r) {
   const nlohmann::ordered_json stats{{"version", KELPIE_VERSION},
                                      {"blobs", r.blobs.size()},
                                      {"sphere_tree_s", r.sphere_tree_s},
@@ -37,14 +38,16 @@ void write_stats(const std::string& path, const FitResult& r) {
                                      {"lost", r.lost},
                                      {"spurs", r.spurs},
                                      {"cached", r.is_cached}};
-  write_file_atomically(path, as_bytes(stats.dump(2) + "\n"));
+  return stats.dump(2) + "\n";
 }
 
 void fit(const Options& options) {
-  clean_up_on_signals();
+  require_writable(options.output);
+  if (!options.stats.empty()) require_writable(options.stats);
   const FitResult result = fit_and_report(options.mesh, options);
-  write_blob_cloud(options.output, result.blobs);
-  if (!options.stats.empty()) write_stats(options.stats, result);
+  std::vector<FileToWrite> files{{options.output, blob_cloud_bytes(result.blobs)}};
+  if (!options.stats.empty()) files.push_back({options.stats, stats_of(result)});
+  write_files_atomically(files);
 }
 
 } // namespace
@@ -60,6 +63,7 @@ void add_fit_options(CLI::App& command, FitCommandOptions& o) {
 }
 
 FitResult fit_and_report(const std::string& mesh_path, const FitCommandOptions& options) {
+  set_activity(fmt::format("fitting {}", mesh_path));
   Diagnostics diagnostics;
   FitResult r = fit_with_progress(mesh_path, options, diagnostics);
   if (r.lost > 0)
@@ -68,9 +72,9 @@ FitResult fit_and_report(const std::string& mesh_path, const FitCommandOptions& 
     diagnostics.warning({mesh_path, 0, 0},
                         fmt::format("the field sticks out by 2 % of the diagonal over {:.2g} % of the mesh", 100 * r.spurs));
   print_warnings(diagnostics);
-  fmt::print(stderr, "{}: {} blobs, off by {:.3f} % of the diagonal (rms; at most {:.2f} %); {}\n", mesh_path, r.blobs.size(), 100 * r.rms,
-             100 * r.max,
-             r.is_cached ? std::string("from the cache") : fmt::format("sphere tree {:.1f} s, fit {:.1f} s", r.sphere_tree_s, r.fit_s));
+  print_message(fmt::format(
+      "{}: {} blobs, off by {:.3f} % of the diagonal (rms; at most {:.2f} %); {}\n", mesh_path, r.blobs.size(), 100 * r.rms, 100 * r.max,
+      r.is_cached ? std::string("from the cache") : fmt::format("sphere tree {:.1f} s, fit {:.1f} s", r.sphere_tree_s, r.fit_s)));
   return r;
 }
 

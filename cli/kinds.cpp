@@ -1,5 +1,6 @@
 #include <memory>
 
+#include "base/standard_streams.h"
 #include "cli/command.h"
 #include "scene/manual.h"
 

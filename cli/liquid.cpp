@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -8,6 +7,7 @@
 #include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 
+#include "base/temporary_folder.h"
 #include "cli/command.h"
 #include "cli/film_options.h"
 #include "cli/fit_options.h"
@@ -23,26 +23,6 @@ namespace {
 struct Options : FitCommandOptions {
   std::string from, to, from_up = "+y", to_up = "+y", surface = "metal", save_scene;
   RenderOptions render;
-};
-
-/// A folder that goes when this does.
-class TemporaryFolder {
-public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "kelpie-liquid-XXXXXX").string();
-    if (!::mkdtemp(name.data())) throw Error(ExitStatus::cannot_write, "cannot make a temporary folder", {name, 0, 0});
-    path_ = name;
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
-
-private:
-  std::filesystem::path path_;
 };
 
 std::string stem_of(const std::string& path) { return std::filesystem::path(path).stem().string(); }
@@ -80,21 +60,22 @@ void fit_both(const Options& o, BlobCloud& from, BlobCloud& to) {
 void liquid(const Options& o) {
   const LiquidSceneOptions options = scene_options(o);
   check_usage(o.render, options);
+  if (!o.save_scene.empty()) require_writable(o.save_scene);
   BlobCloud from, to;
   fit_both(o, from, to);
   from = turned_upright(std::move(from), o.from_up), to = turned_upright(std::move(to), o.to_up);
   place_together(from, to);
   const std::string name = stem_of(o.from) + "_to_" + stem_of(o.to);
   if (!o.save_scene.empty()) {
-    write_liquid_scene(o.save_scene, from, to, options);
+    write_files_atomically(liquid_scene_files(o.save_scene, from, to, options));
     if (!o.render.output.empty()) render_scene(o.save_scene, name, o.render);
     return;
   }
-  stop_gently_on_signals(); // or the folder would be left behind
-  const TemporaryFolder folder;
-  const std::string scene = folder.file("liquid.json");
-  write_liquid_scene(scene, from, to, options);
-  render_scene(scene, name, o.render);
+  TemporaryFolder folder;
+  std::vector<FileToWrite> files = liquid_scene_files("liquid.json", from, to, options);
+  for (FileToWrite& f : files) f.target = folder.file(f.target.string());
+  write_files_atomically(files);
+  render_scene(files.back().target.string(), name, o.render);
 }
 
 } // namespace

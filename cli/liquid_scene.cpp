@@ -6,9 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "base/atomic_file.h"
 #include "base/error.h"
-#include "base/file_bytes.h"
 #include "field/clouds/cloud_file.h"
 #include "morph/liquid/interpolate.h"
 #include "morph/liquid/volume.h"
@@ -98,12 +96,11 @@ void place_together(BlobCloud& from, BlobCloud& to) {
   scale_and_stand(to, b.box, scale * ratio);
 }
 
-void write_liquid_scene(const std::string& path, const BlobCloud& from, const BlobCloud& to, const LiquidSceneOptions& o) {
+std::vector<FileToWrite> liquid_scene_files(const std::string& path, const BlobCloud& from, const BlobCloud& to,
+                                            const LiquidSceneOptions& o) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::path(path).parent_path();
   const std::string stem = fs::path(path).stem().string();
-  write_blob_cloud((folder / (stem + "_from.ply")).string(), from);
-  write_blob_cloud((folder / (stem + "_to.ply")).string(), to);
   const View view = frame_morph(from, to, o.aspect);
   const std::string look = o.surface == "metal" ? R"("kind": "metal", "roughness": 0.15)" : fmt::format(R"("kind": "{}")", o.surface);
   const std::string text = fmt::format(
@@ -140,7 +137,7 @@ void write_liquid_scene(const std::string& path, const BlobCloud& from, const Bl
       fmt::arg("first", o.first), fmt::arg("last", o.last), fmt::arg("px", view.position.x), fmt::arg("py", view.position.y),
       fmt::arg("pz", view.position.z), fmt::arg("lx", view.look_at.x), fmt::arg("ly", view.look_at.y), fmt::arg("lz", view.look_at.z),
       fmt::arg("fov", k_fov), fmt::arg("stem", stem), fmt::arg("progress", progress_keys(o.first, o.last)), fmt::arg("look", look));
-  write_file_atomically(path, as_bytes(text));
+  return {{folder / (stem + "_from.ply"), blob_cloud_bytes(from)}, {folder / (stem + "_to.ply"), blob_cloud_bytes(to)}, {path, text}};
 }
 
 } // namespace kelpie

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "base/atomic_file.h"
 #include "field/potential/blob.h"
 
 namespace kelpie {
@@ -23,7 +25,7 @@ BlobCloud turned_upright(BlobCloud, const std::string& up);
 /// across, centred above the origin, standing on y = 0. Throws Error, bad_data, where a cloud has no surface.
 void place_together(BlobCloud& from, BlobCloud& to);
 
-/// Writes the scene and beside it the clouds, NAME_from.ply and NAME_to.ply.
-void write_liquid_scene(const std::string& path, const BlobCloud& from, const BlobCloud& to, const LiquidSceneOptions&);
+/// The files of a scene called `path`: beside it the clouds, NAME_from.ply and NAME_to.ply, and last the scene itself.
+std::vector<FileToWrite> liquid_scene_files(const std::string& path, const BlobCloud& from, const BlobCloud& to, const LiquidSceneOptions&);
 
 } // namespace kelpie

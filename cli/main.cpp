@@ -1,23 +1,21 @@
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
 #include <csignal>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
-#include <new>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/atomic_file.h"
+#include "base/leftovers.h"
+#include "base/standard_streams.h"
 #include "base/suggest.h"
 #include "cli/command.h"
+#include "cli/failure.h"
 
 namespace kelpie {
 
 void print_warnings(const Diagnostics& diagnostics) {
-  for (const Problem& p : diagnostics.warnings()) fmt::print(stderr, "warning: {}\n", to_string(p));
+  for (const Problem& p : diagnostics.warnings()) print_message(fmt::format("warning: {}\n", to_string(p)));
 }
 
 CLI::Validator ends_in(const std::string& ending) {
@@ -30,14 +28,7 @@ CLI::Validator ends_in(const std::string& ending) {
   return {problem, ""};
 }
 
-void print_result(std::string_view text) {
-  const bool is_written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
-  if (!is_written) throw Error(ExitStatus::cannot_write, fmt::format("cannot write to stdout: {}", std::strerror(errno)));
-}
-
 namespace {
-
-int status(ExitStatus s) { return static_cast<int>(s); }
 
 /// CLI11 says no more of a mistyped command than that one is required.
 void check_command_is_known(const CLI::App& app, int argc, char** argv) {
@@ -58,34 +49,17 @@ int run(int argc, char** argv) {
   app.failure_message(CLI::FailureMessage::simple);
   app.get_formatter()->column_width(34);
   for (const auto add : {KELPIE_COMMANDS}) add(app);
+  check_command_is_known(app, argc, argv);
   try {
-    check_command_is_known(app, argc, argv);
     app.parse(argc, argv);
-    return status(ExitStatus::ok);
-  } catch (const CLI::CallForHelp& e) {
-    return app.exit(e);
-  } catch (const CLI::CallForAllHelp& e) {
-    return app.exit(e);
+  } catch (const CLI::CallForHelp&) {
+    print_result(app.help());
   } catch (const CLI::CallForVersion& e) {
-    return app.exit(e);
+    print_result(std::string(e.what()) + "\n");
   } catch (const CLI::ParseError& e) {
-    fmt::print(stderr, "error: {}\n", e.what());
-    return status(ExitStatus::usage);
-  } catch (const Interrupted& e) {
-    unlink_part_files();
-    std::signal(e.signal, SIG_DFL);
-    std::raise(e.signal);
-    return status(ExitStatus::internal); // not reached
-  } catch (const Error& e) {
-    for (const Problem& p : e.problems) fmt::print(stderr, "error: {}\n", to_string(p));
-    return status(e.status);
-  } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "error: out of memory\n");
-    return status(ExitStatus::out_of_memory);
-  } catch (const std::exception& e) {
-    fmt::print(stderr, "error: internal: {}\n", e.what());
-    return status(ExitStatus::internal);
+    throw Error(ExitStatus::usage, e.what());
   }
+  return static_cast<int>(ExitStatus::ok);
 }
 
 } // namespace
@@ -94,5 +68,11 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN); // a reader that goes away is a failed write (74), not a death
   std::signal(SIGXFSZ, SIG_IGN);
-  return kelpie::run(argc, argv);
+  try {
+    kelpie::reserve_standard_streams();
+    kelpie::clean_up_on_signals();
+    return kelpie::run(argc, argv);
+  } catch (...) {
+    return kelpie::report_failure();
+  }
 }

@@ -1,11 +1,11 @@
 #include <algorithm>
-#include <filesystem>
 #include <future>
 
 #include <fmt/format.h>
 
 #include "base/atomic_file.h"
 #include "cli/command.h"
+#include "cli/failure.h"
 #include "cli/ffmpeg.h"
 #include "cli/picture_options.h"
 #include "cli/progress.h"
@@ -47,7 +47,7 @@ MovieFrame make_frame(const PictureMaker& maker, const std::string& file, int wi
 }
 
 void make_movie(const MovieOptions& o) {
-  clean_up_on_signals();
+  set_activity("making the movie");
   const std::string container = movie_container(o.output);
   const PictureMaker maker(o.picture);
   refuse_gaps(o);
@@ -57,8 +57,7 @@ void make_movie(const MovieOptions& o) {
   const MovieFormat format{frame.width, frame.height, o.fps > 0 ? o.fps : first.header.fps, o.crf, maker.is_srgb(), container};
 
   PartFile part(o.output);
-  if (!std::filesystem::is_regular_file(part.part_path()))
-    throw Error(ExitStatus::cannot_write, fmt::format("{}: a movie cannot be written to a pipe or a device", o.output));
+  if (part.is_direct()) throw Error(ExitStatus::cannot_write, fmt::format("{}: a movie cannot be written to a pipe or a device", o.output));
   FfmpegPipe ffmpeg(format, part.part_path(), o.output);
   Progress progress(o.progress, double(files.size()), "frames");
   for (size_t i = 0; i < files.size(); ++i) {
@@ -72,6 +71,7 @@ void make_movie(const MovieOptions& o) {
     if (next.valid()) frame = next.get();
   }
   ffmpeg.finish();
+  if (part.size() == 0) throw Error(ExitStatus::cannot_write, fmt::format("{}: ffmpeg ended well, but wrote nothing", o.output));
   part.commit();
 }
 

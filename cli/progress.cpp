@@ -12,6 +12,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/standard_streams.h"
+
 namespace kelpie {
 
 namespace {
@@ -53,7 +55,7 @@ Progress::Progress(ProgressMode mode, double total, std::string unit) : mode_(mo
 }
 
 Progress::~Progress() {
-  if (bar_is_drawn_) fmt::print(stderr, "\n");
+  if (bar_is_drawn_) end_message_line();
 }
 
 void Progress::advance(double done, const std::string& message) {
@@ -82,14 +84,13 @@ void Progress::draw_bar(double left) {
                                  std::floor(done_), total_, unit_, done_ < total_ ? format_left(left) : "");
   if (!message_.empty()) line += "  " + message_;
   line.resize(std::min(line.size(), width - 1));
-  fmt::print(stderr, "\r{}\x1b[K", line);
-  std::fflush(stderr);
+  print_message(fmt::format("\r{}\x1b[K", line));
   bar_is_drawn_ = true;
 }
 
 void Progress::write_line(double left) {
-  fmt::print(stderr, "{:.0f}/{:.0f} {} ({:.0f}%{}){}{}\n", std::floor(done_), total_, unit_, std::floor(100 * done_ / total_),
-             done_ < total_ ? format_left(left) : "", message_.empty() ? "" : ": ", message_);
+  print_message(fmt::format("{:.0f}/{:.0f} {} ({:.0f}%{}){}{}\n", std::floor(done_), total_, unit_, std::floor(100 * done_ / total_),
+                            done_ < total_ ? format_left(left) : "", message_.empty() ? "" : ": ", message_));
   message_.clear();
 }
 
@@ -97,13 +98,13 @@ void Progress::write_object(double left) {
   nlohmann::ordered_json object{{"done", done_}, {"total", total_}, {"unit", unit_}};
   if (left >= 0) object["left_s"] = std::round(left * 10) / 10;
   if (!message_.empty()) object["message"] = message_;
-  fmt::print(stderr, "{}\n", object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  print_message(object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   message_.clear();
 }
 
 void Progress::print_line(const std::string& line) {
   const std::lock_guard lock(mutex_);
-  fmt::print(stderr, "{}{}\n", bar_is_drawn_ ? "\r\x1b[K" : "", line);
+  print_message(fmt::format("{}{}\n", bar_is_drawn_ ? "\r\x1b[K" : "", line));
   bar_is_drawn_ = false;
 }
 

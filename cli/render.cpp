@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <csignal>
 #include <filesystem>
 #include <thread>
 
@@ -12,6 +11,7 @@
 
 #include "base/atomic_file.h"
 #include "cli/command.h"
+#include "cli/failure.h"
 #include "cli/film_options.h"
 #include "cli/progress.h"
 #include "cli/stats.h"
@@ -26,15 +26,6 @@
 namespace kelpie {
 
 namespace {
-
-/// The signal that asked to stop, or 0. Tiles look at `g_stop`.
-volatile std::sig_atomic_t g_signal = 0;
-std::atomic<bool> g_stop{false};
-
-void on_signal(int signal) {
-  g_signal = signal;
-  g_stop = true; // lock-free: allowed in a handler
-}
 
 std::vector<int> frames_to_render(const Scene& scene, const std::optional<std::string>& ranges) {
   return parse_frames(ranges.value_or(fmt::format("{}-{}", scene.frames.first, scene.frames.last)));
@@ -63,8 +54,9 @@ public:
       }
       progress_.advance(finished_ + std::min(1.0, before + tile) * 0.999);
     };
-    RenderedFrame rendered = render_frame(scene_, frame, window_, {environments_, diagnostics, progress, g_stop, max_memory_, &kept_});
-    if (rendered.was_stopped) throw Interrupted{g_signal};
+    set_activity(fmt::format("rendering frame {}", frame));
+    const std::atomic<bool> stop{false};
+    RenderedFrame rendered = render_frame(scene_, frame, window_, {environments_, diagnostics, progress, stop, max_memory_, &kept_});
     write(rendered, frame, path, key, diagnostics);
     for (const Problem& p : diagnostics.warnings()) progress_.print_line("warning: " + to_string(p));
     progress_.advance(++finished_, fmt::format("wrote {}", path));
@@ -99,10 +91,6 @@ private:
 
 } // namespace
 
-void stop_gently_on_signals() {
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, on_signal);
-}
-
 void add_render_options(CLI::App& command, RenderOptions& o) {
   command.add_option("-f,--frames", o.frames, "frames to render: 12, 1-96, 1-96x2 (every second), 1-48,96 [all of the scene]");
   command.add_option("-o,--output", o.output, "where they go, with a place for the frame number: 'out/name.####.exr' [NAME.####.exr]")
@@ -116,7 +104,7 @@ void add_render_options(CLI::App& command, RenderOptions& o) {
 }
 
 void render_scene(const std::string& scene_path, const std::string& name, const RenderOptions& options) {
-  stop_gently_on_signals();
+  set_activity(fmt::format("reading {}", scene_path));
   const unsigned threads = options.threads > 0 ? static_cast<unsigned>(options.threads) : std::thread::hardware_concurrency();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   use_ocio_config(options.ocio);
@@ -128,6 +116,8 @@ void render_scene(const std::string& scene_path, const std::string& name, const 
   const std::vector<int> frames = frames_to_render(scene, options.frames);
   const FramePattern pattern(options.output.empty() ? name + ".####.exr" : options.output);
   require_numbered(pattern, frames);
+  require_writable(pattern.path(frames.front()));
+  if (!options.stats.empty()) require_writable(options.stats);
   Diagnostics of_surfaces;
   warn_of_missing_surfaces(scene, frames, of_surfaces);
   print_warnings(of_surfaces);
@@ -135,10 +125,7 @@ void render_scene(const std::string& scene_path, const std::string& name, const 
   const std::string hash = picture_hash(scene, window);
   Progress progress(options.progress, static_cast<double>(frames.size()), "frames");
   SequenceRenderer sequence(std::move(scene), pattern, window, hash, options.max_memory, progress);
-  for (const int frame : frames) {
-    if (g_stop) throw Interrupted{g_signal};
-    sequence.render(frame, options.skip_existing);
-  }
+  for (const int frame : frames) sequence.render(frame, options.skip_existing);
   if (!options.stats.empty()) write_render_stats(options.stats, threads, sequence.reports());
 }
 

@@ -32,12 +32,8 @@ struct RenderOptions {
 /// Adds the options of RenderOptions to a command, with their help.
 void add_render_options(CLI::App& command, RenderOptions& options);
 
-/// From here on SIGINT and SIGTERM end no process; rendering looks at them between tiles.
-void stop_gently_on_signals();
-
 /// Renders the frames of a scene file. `name` stands for it in default output names.
-/// Throws Error; returns only when every requested frame exists and was verified. On SIGINT and SIGTERM it
-/// throws Interrupted after the tiles in work.
+/// Throws Error; returns only when every requested frame exists and was verified.
 void render_scene(const std::string& scene_path, const std::string& name, const RenderOptions& options);
 
 } // namespace kelpie

@@ -1,3 +1,4 @@
+#include "base/standard_streams.h"
 #include "cli/command.h"
 #include "scene/manual.h"
 

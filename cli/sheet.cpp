@@ -5,6 +5,7 @@
 
 #include "base/atomic_file.h"
 #include "cli/command.h"
+#include "cli/failure.h"
 #include "cli/picture_options.h"
 #include "cli/progress.h"
 
@@ -47,7 +48,8 @@ void place(Picture& sheet, const Grid& grid, int index, const Picture& picture) 
 }
 
 void make_sheet(const SheetOptions& o) {
-  clean_up_on_signals();
+  set_activity("making the sheet");
+  require_writable(o.output);
   const PictureMaker maker(o.picture);
   const std::vector<std::string> files = frame_files(o.inputs, o.frames);
   const Picture first = maker.make(files.front(), o.width);

@@ -1,5 +1,8 @@
+#include <fmt/format.h>
+
 #include "base/atomic_file.h"
 #include "cli/command.h"
+#include "cli/failure.h"
 #include "cli/picture_options.h"
 
 namespace kelpie {
@@ -13,7 +16,8 @@ struct ViewOptions {
 };
 
 void view(const ViewOptions& o) {
-  clean_up_on_signals();
+  set_activity(fmt::format("developing {}", o.input));
+  require_writable(o.output);
   const PictureMaker maker(o.picture);
   write_file_atomically(o.output, encode_png(maker.make(o.input, o.width), o.bits, maker.is_srgb()));
 }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/file_descriptor.h"
 #include "base/parallel.h"
 #include "colour/spaces.h"
 
@@ -100,6 +101,9 @@ void load() {
     return;
   }
   const std::string what = fmt::format("the OCIO config {}{}", path, from_variable ? " (named by $OCIO)" : "");
+  std::string why;
+  open_to_read(path, why); // OpenColorIO would wait for a pipe
+  if (!why.empty()) fail(fmt::format("{} cannot be used: {}", what, why));
   OCIO::ConstConfigRcPtr config;
   try {
     config = OCIO::Config::CreateFromFile(path.c_str());

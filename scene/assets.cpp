@@ -14,11 +14,18 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// The path as it is where the working directory is gone.
+fs::path absolute_path(const fs::path& path) {
+  std::error_code error;
+  fs::path result = fs::absolute(path, error);
+  return error ? path : result;
+}
+
 /// Symbolic links resolved; where that fails (a loop of links, a name too long) the path as it is: it
 /// will be found missing.
 fs::path canonical_path(const fs::path& path) {
   std::error_code error;
-  fs::path result = fs::weakly_canonical(fs::absolute(path, error), error);
+  fs::path result = fs::weakly_canonical(absolute_path(path), error);
   return error ? path : result;
 }
 
@@ -57,7 +64,7 @@ private:
 } // namespace
 
 AssetFolder::AssetFolder(const std::string& scene_path, const std::vector<std::string>& allow_paths)
-    : scene_(canonical_path(scene_path)), folder_(canonical_path(fs::absolute(scene_path).parent_path())) {
+    : scene_(canonical_path(scene_path)), folder_(canonical_path(absolute_path(scene_path).parent_path())) {
   for (const std::string& path : allow_paths) {
     fs::path p = canonical_path(path);
     allowed_.push_back(p.has_filename() ? p : p.parent_path()); // `folder/` is `folder`

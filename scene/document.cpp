@@ -1,12 +1,10 @@
 #include "scene/document.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <memory>
 
 #include <fmt/format.h>
+
+#include "base/file_bytes.h"
 
 namespace kelpie {
 
@@ -66,20 +64,9 @@ void append_canonical(const JsonValue& v, std::string& out) {
   }
 }
 
-/// Reads at most one byte more than the limit, so that a pipe or a device that never ends is refused too.
-std::string read_at_most(const std::string& path, size_t limit, std::string_view what) {
-  const auto fail = [&] { return Error(ExitStatus::missing_input, fmt::format("cannot read {}: {}", what, std::strerror(errno)), {path}); };
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
-  if (!file) throw fail();
-  std::string text;
-  char block[1 << 16];
-  while (text.size() <= limit) {
-    const size_t n = std::fread(block, 1, std::min(sizeof block, limit + 1 - text.size()), file.get());
-    if (n == 0) break;
-    text.append(block, n);
-  }
-  if (std::ferror(file.get())) throw fail();
-  return text;
+/// Reads at most one byte more than the limit, so that a pipe that never ends is refused too.
+std::string read_at_most(const std::string& path, size_t limit, const std::string& what) {
+  return read_file_bytes(path, {what, limit + 1});
 }
 
 } // namespace

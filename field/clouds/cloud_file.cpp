@@ -40,8 +40,9 @@ Blob to_blob(const std::array<double, 5>& v, size_t index, const SourcePosition&
 
 } // namespace
 
-BlobCloud read_blob_cloud(const std::string& path) {
-  const std::string bytes = read_file_bytes(path);
+BlobCloud read_blob_cloud(const std::string& path) { return parse_blob_cloud(read_file_bytes(path), path); }
+
+BlobCloud parse_blob_cloud(const std::string& bytes, const std::string& path) {
   const PlyHeader header = read_ply_header(bytes, path);
   std::array<int, 5> column{};
   const PlyElement* vertices = nullptr;
@@ -69,7 +70,7 @@ BlobCloud read_blob_cloud(const std::string& path) {
   return cloud;
 }
 
-void write_blob_cloud(const std::string& path, const BlobCloud& cloud) {
+std::string blob_cloud_bytes(const BlobCloud& cloud) {
   std::string bytes =
       fmt::format("ply\nformat binary_little_endian 1.0\ncomment kelpie {}: blobs, radius of influence\nelement vertex {}\n",
                   KELPIE_VERSION, cloud.size());
@@ -77,7 +78,9 @@ void write_blob_cloud(const std::string& path, const BlobCloud& cloud) {
   bytes += "end_header\n";
   for (const Blob& b : cloud)
     for (const float value : {b.centre.x, b.centre.y, b.centre.z, b.radius, b.weight}) append_little_endian(bytes, value);
-  write_file_atomically(path, as_bytes(bytes));
+  return bytes;
 }
+
+void write_blob_cloud(const std::string& path, const BlobCloud& cloud) { write_file_atomically(path, as_bytes(blob_cloud_bytes(cloud))); }
 
 } // namespace kelpie

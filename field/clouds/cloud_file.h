@@ -12,7 +12,13 @@ namespace kelpie {
 /// Throws Error: missing_input, or bad_data for anything but at least one blob of finite numbers.
 BlobCloud read_blob_cloud(const std::string& path);
 
-/// Writes binary little-endian PLY, float32, all or nothing. Throws Error, cannot_write.
+/// The same from memory; `path` is for messages.
+BlobCloud parse_blob_cloud(const std::string& bytes, const std::string& path);
+
+/// Binary little-endian PLY, float32.
+std::string blob_cloud_bytes(const BlobCloud&);
+
+/// Writes blob_cloud_bytes(), all or nothing. Throws Error, cannot_write.
 void write_blob_cloud(const std::string& path, const BlobCloud&);
 
 } // namespace kelpie

@@ -3,8 +3,7 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
-#include "base/atomic_file.h"
-#include "base/cache_folder.h"
+#include "base/cache.h"
 #include "base/file_bytes.h"
 #include "field/mesh/triangle_tree.h"
 
@@ -51,25 +50,11 @@ std::shared_ptr<const DistanceGrid> load_distance_grid(const std::string& path, 
     throw Error(ExitStatus::bad_data, fmt::format("{}: {:.0f} voxels along the mesh are too many (at most {:.0f}): "
                                                   "take a larger voxel or a smaller radius",
                                                   path, along, k_most_voxels));
-  const std::filesystem::path folder = use_cache ? cache_folder() : std::filesystem::path();
-  const std::filesystem::path file = folder.empty() ? folder : folder / cache_key(bytes, how, band);
-  if (!file.empty()) {
-    try {
-      if (auto cached = DistanceGrid::from_bytes(read_file_bytes(file.string())))
-        return std::make_shared<const DistanceGrid>(std::move(*cached));
-    } catch (const Error&) { // not there: made anew
-    }
-  }
+  const std::string key = cache_key(bytes, how, band);
+  if (const auto cached = use_cache ? read_cached(key) : std::nullopt)
+    if (auto grid = DistanceGrid::from_bytes(*cached)) return std::make_shared<const DistanceGrid>(std::move(*grid));
   auto grid = std::make_shared<const DistanceGrid>(make_distance_grid(mesh, how.voxel, band));
-  if (!file.empty()) {
-    try {
-      std::error_code failed;
-      std::filesystem::create_directories(folder, failed);
-      write_file_atomically(file.string(), as_bytes(grid->to_bytes()));
-    } catch (const Error& e) {
-      diagnostics.warning({}, fmt::format("the distances of {} are not cached: {}", path, e.what()));
-    }
-  }
+  if (use_cache) write_cached(key, grid->to_bytes(), fmt::format("the distances of {} are", path), diagnostics);
   return grid;
 }
 

@@ -3,8 +3,7 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
-#include "base/atomic_file.h"
-#include "base/cache_folder.h"
+#include "base/cache.h"
 #include "base/file_bytes.h"
 #include "field/clouds/cloud_file.h"
 #include "field/files/text_cursor.h"
@@ -12,8 +11,6 @@
 namespace kelpie {
 
 namespace {
-
-namespace fs = std::filesystem;
 
 /// Raise it whenever the same mesh and options yield other blobs or figures.
 constexpr int k_revision = 3;
@@ -26,39 +23,23 @@ std::string cache_key(const std::string& bytes, const FitOptions& options) {
   return fmt::format("fit-{:016x}{:016x}", key.high64, key.low64);
 }
 
-/// The figures of a fit as text, one a line.
+/// The figures of a fit, one line of text.
 std::string figures_of(const FitResult& r) {
   return fmt::format("{} {} {} {} {} {}\n", r.sphere_tree_s, r.fit_s, r.rms, r.max, r.lost, r.spurs);
 }
 
-bool read_figures(const std::string& text, FitResult& r) {
-  TextCursor cursor(text, "");
+/// The figures in the first line, and the blobs after it.
+bool read_entry(const std::string& entry, FitResult& r) {
+  const size_t line_end = entry.find('\n') + 1;
+  const std::string line = entry.substr(0, line_end);
+  TextCursor cursor(line, "");
   for (double* figure : {&r.sphere_tree_s, &r.fit_s, &r.rms, &r.max, &r.lost, &r.spurs}) {
     const auto value = to_number(cursor.next());
     if (!value) return false;
     *figure = *value;
   }
+  r.blobs = parse_blob_cloud(entry.substr(line_end), "the cached fit");
   return true;
-}
-
-bool read_cached(const fs::path& stem, FitResult& result) {
-  try {
-    result.blobs = read_blob_cloud(stem.string() + ".ply");
-    return read_figures(read_file_bytes(stem.string() + ".txt"), result);
-  } catch (const Error&) {
-    return false; // not there, or spoilt: fitted anew and written over
-  }
-}
-
-void write_cached(const fs::path& stem, const FitResult& result, Diagnostics& diagnostics) {
-  try {
-    std::error_code failed;
-    fs::create_directories(stem.parent_path(), failed);
-    write_blob_cloud(stem.string() + ".ply", result.blobs);
-    write_file_atomically(stem.string() + ".txt", as_bytes(figures_of(result)));
-  } catch (const Error& e) {
-    diagnostics.warning({}, fmt::format("the fit is not cached: {}", e.what()));
-  }
 }
 
 } // namespace
@@ -66,15 +47,14 @@ void write_cached(const fs::path& stem, const FitResult& result, Diagnostics& di
 FitResult fit_mesh_file(const std::string& path, const FitOptions& options, bool use_cache, Diagnostics& diagnostics) {
   const std::string bytes = read_file_bytes(path);
   const Mesh mesh = parse_mesh(bytes, path, diagnostics, {options.weld}); // its warnings are due every time
-  const fs::path folder = use_cache ? cache_folder() : fs::path();
-  const fs::path stem = folder.empty() ? folder : folder / cache_key(bytes, options);
+  const std::string key = cache_key(bytes, options);
   FitResult result;
-  if (!stem.empty() && read_cached(stem, result)) {
+  if (const auto cached = use_cache ? read_cached(key) : std::nullopt; cached && read_entry(*cached, result)) {
     result.is_cached = true;
     return result;
   }
   result = fit_blobs(mesh, options, path);
-  if (!stem.empty()) write_cached(stem, result, diagnostics);
+  if (use_cache) write_cached(key, figures_of(result) + blob_cloud_bytes(result.blobs), "the fit is", diagnostics);
   return result;
 }
 

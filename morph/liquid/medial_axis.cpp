@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <new>
 
 extern "C" {
 #include <libqhull_r/qhull_ra.h>
@@ -31,7 +32,9 @@ public:
     char command[] = "qhull d Qbb Qt Qz";
     // Qhull explains its failures on a stream; ours is that there are no poles.
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> sink(std::fopen("/dev/null", "w"), &std::fclose);
-    return qh_new_qhull(&state_, 3, static_cast<int>(points.size() / 3), points.data(), False, command, nullptr, sink.get()) == 0;
+    const int failure = qh_new_qhull(&state_, 3, static_cast<int>(points.size() / 3), points.data(), False, command, nullptr, sink.get());
+    if (failure == qh_ERRmem) throw std::bad_alloc();
+    return failure == 0;
   }
 
   /// Calls `visit` with the indices of the four points of each Delaunay tetrahedron.

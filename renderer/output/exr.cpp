@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <new>
 
 #include <Imath/half.h>
 #include <OpenImageIO/filesystem.h>
@@ -15,6 +16,7 @@
 #include "base/error.h"
 #include "base/file_bytes.h"
 #include "colour/spaces.h"
+#include "renderer/output/file_hash.h"
 #include "renderer/output/pixel_hash.h"
 
 namespace kelpie {
@@ -136,12 +138,17 @@ void set_header(OIIO::ImageSpec& spec, const FrameHeader& header, const std::str
   spec.attribute("kelpie:frame", header.frame);
   spec.attribute(k_scene_hash, header.scene_hash);
   spec.attribute(k_pixel_hash, pixel_hash);
+  spec.attribute(k_file_hash_attribute, unsealed_file_hash());
   if (header.camera_from_world) spec.attribute("worldToCamera", OIIO::TypeMatrix, &(*header.camera_from_world)[0][0]);
   if (header.ndc_from_world) spec.attribute("worldToNDC", OIIO::TypeMatrix, &(*header.ndc_from_world)[0][0]);
   if (const auto c = scene_linear_chromaticities()) spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), c->data());
 }
 
-[[noreturn]] void encoder_failed(const std::string& why) { throw Error(ExitStatus::internal, "the EXR encoder failed: " + why); }
+/// Encoding to memory fails for lack of it, and then there may be none for a reason.
+[[noreturn]] void encoder_failed(const std::string& why) {
+  if (why.empty()) throw std::bad_alloc();
+  throw Error(ExitStatus::internal, "the EXR encoder failed: " + why);
+}
 
 /// EXR also knows uint; a file that has one is read as float throughout.
 bool is_half_and_float(const OIIO::ImageSpec& spec) {
@@ -240,6 +247,7 @@ EncodedFrame encode_exr(const FrameImage& image, const FrameHeader& header) {
   if (!output || !output->set_ioproxy(&stream) || !output->open("memory.exr", spec))
     encoder_failed(output ? output->geterror() : OIIO::geterror());
   if (!output->write_image(OIIO::TypeDesc::UNKNOWN, packed.bytes.data()) || !output->close()) encoder_failed(output->geterror());
+  seal(encoded.bytes);
   return encoded;
 }
 
@@ -257,12 +265,12 @@ EncodedFrame write_exr(const std::string& path, const FrameImage& image, const F
 bool frame_is_complete(const std::string& path, const std::string& scene_hash) {
   try {
     const std::string bytes = read_file_bytes(path);
+    if (!is_sealed(as_bytes(bytes))) return false; // and no decoder sees it
     OIIO::Filesystem::IOMemReader reader(bytes.data(), bytes.size());
     std::string why;
     const std::unique_ptr<OIIO::ImageInput> input = open_exr(reader, why);
-    if (!input || input->spec().get_string_attribute(k_scene_hash) != scene_hash) return false; // before any pixel is decoded
-    return decode(as_bytes(bytes), path, false).is_intact();
-  } catch (const std::exception&) {
+    return input && input->spec().get_string_attribute(k_scene_hash) == scene_hash;
+  } catch (const Error&) {
     return false;
   }
 }

@@ -1,7 +1,7 @@
 // Frames as OpenEXR files: single part, scanlines, ZIP, channels half or float as the frame says.
 //
 // The same frame and header always make the same bytes: the only date in a file is a fixed one. Each
-// file carries the hash of its scene and the hash of its own decoded pixels, so that anyone can tell
+// file carries the hash of its scene, of its own decoded pixels, and of all its bytes, so that anyone can tell
 // later whether it is whole and whether it is still the picture of that scene.
 #pragma once
 
@@ -61,8 +61,8 @@ DecodedFrame decode_exr(std::span<const unsigned char> bytes, const std::string&
 /// disk, whole. Throws Error: cannot_write, or internal when the encoder broke the picture.
 EncodedFrame write_exr(const std::string& path, const FrameImage&, const FrameHeader&);
 
-/// For --skip-existing: whether `path` is a frame of the scene with this hash and every pixel of it is as
-/// it was written. Never throws: anything wrong with the file means no.
+/// For --skip-existing: whether `path` is a frame of the scene with this hash, and every byte of it is as it was written. Anything
+/// wrong with the file means no.
 bool frame_is_complete(const std::string& path, const std::string& scene_hash);
 
 } // namespace kelpie

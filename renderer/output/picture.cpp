@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <new>
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imagebuf.h>
@@ -166,7 +167,10 @@ std::vector<unsigned char> encode_png(const Picture& picture, int bits, bool is_
   OIIO::Filesystem::IOVecOutput stream(bytes);
   const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
   const auto check = [&](bool is_good) {
-    if (!is_good) throw Error(ExitStatus::internal, "the PNG encoder failed: " + (output ? output->geterror() : OIIO::geterror()));
+    if (is_good) return;
+    const std::string why = output ? output->geterror() : OIIO::geterror();
+    if (why.empty()) throw std::bad_alloc(); // encoding to memory fails for lack of it
+    throw Error(ExitStatus::internal, "the PNG encoder failed: " + why);
   };
   check(output && output->set_ioproxy(&stream) && output->open("memory.png", spec));
   if (bits == 16) {

@@ -6,9 +6,8 @@
 #include <deque>
 #include <exception>
 
-#include "renderer/trace/embree_device.h"
-
 #include "base/parallel.h"
+#include "renderer/trace/embree_device.h"
 
 namespace kelpie {
 

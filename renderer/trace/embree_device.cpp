@@ -2,6 +2,7 @@
 
 #include <new>
 #include <stdexcept>
+#include <string>
 
 #include <pmmintrin.h>
 #include <xmmintrin.h>
@@ -15,11 +16,26 @@ void flush_denormals_in_this_thread() {
   _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
 }
 
+namespace {
+
+void throw_if(RTCError error) {
+  if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  if (error != RTC_ERROR_NONE) throw std::runtime_error("Embree: error " + std::to_string(error));
+}
+
+} // namespace
+
 EmbreeDevice::EmbreeDevice() {
   flush_denormals_in_this_thread();
   device_ = rtcNewDevice(nullptr);
-  if (!device_) throw std::runtime_error("Embree: no device");
-  const auto on_error = [](void* self, RTCError code, const char*) noexcept { static_cast<EmbreeDevice*>(self)->error_ = code; };
+  if (!device_) {
+    throw_if(rtcGetDeviceError(nullptr));
+    throw std::runtime_error("Embree: no device");
+  }
+  const auto on_error = [](void* self, RTCError code, const char*) noexcept {
+    RTCError none = RTC_ERROR_NONE; // what fails later fails because of the first
+    static_cast<EmbreeDevice*>(self)->error_.compare_exchange_strong(none, code);
+  };
   rtcSetDeviceErrorFunction(device_, on_error, this);
   const auto on_memory = [](void* self, ssize_t bytes, bool) noexcept {
     static_cast<EmbreeDevice*>(self)->bytes_ += bytes;
@@ -36,10 +52,7 @@ RTCScene EmbreeDevice::new_scene() const {
   return scene;
 }
 
-void EmbreeDevice::check() const {
-  if (error_ == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
-  if (error_ != RTC_ERROR_NONE) throw std::runtime_error("Embree: error " + std::to_string(error_));
-}
+void EmbreeDevice::check() const { throw_if(error_); }
 
 RTCRay to_embree(const Ray& ray) {
   RTCRay r{};

@@ -9,10 +9,11 @@
 
 namespace kelpie {
 
-/// A device that remembers its errors and counts its memory.
+/// A device that remembers its first error and counts its memory.
 class EmbreeDevice {
 public:
-  /// Flushes denormals in this thread, as Embree wants it. Throws std::runtime_error where Embree does not work at all.
+  /// Flushes denormals in this thread, as Embree wants it. Throws std::bad_alloc where there is no memory for a device, and
+  /// std::runtime_error where Embree does not work at all.
   EmbreeDevice();
   ~EmbreeDevice();
   EmbreeDevice(const EmbreeDevice&) = delete; // Embree knows its address

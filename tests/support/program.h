@@ -41,6 +41,14 @@ protected:
     return o;
   }
 
+  /// A line for the shell, in the folder, with the program as `$KELPIE`; its exit status, 128 + signal.
+  int shell(const std::string& line) const {
+    setenv("KELPIE", KELPIE_PROGRAM, 1);
+    const std::string command = "cd '" + folder_.string() + "' || exit 1\n" + line;
+    const int status = std::system(command.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+
   void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
   size_t file_count() const { return std::distance(std::filesystem::directory_iterator(folder_), std::filesystem::directory_iterator()); }
