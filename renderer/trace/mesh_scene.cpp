@@ -94,7 +94,7 @@ void MeshScene::add(const MovingMesh& of) {
   for (const Vec3d& p : corners) box.extend(placed.world_from_file[0](p));
   placed.world_from_file = needed_steps(placed.world_from_file, corners, box.diagonal());
 
-  RTCGeometry geometry = rtcNewGeometry(state_->device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+  RTCGeometry geometry = rtcNewGeometry(state_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(placed.world_from_file.size()));
   for (size_t step = 0; step < placed.world_from_file.size(); ++step) {
     // Embree's own buffers: it reads past the end of what others lend it.
