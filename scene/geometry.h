@@ -39,6 +39,7 @@ sharper than `crease` stay edges, all others are smooth.)";
   Value<Mode, float> angle{0.f};
   Value<Mode, Vec3> scale{Vec3(1)};
   float crease = 30;
+  double weld = 0;
   /// What `file` holds; filled when the scene is built.
   std::shared_ptr<const SurfaceMesh> mesh;
 
@@ -53,6 +54,7 @@ sharper than `crease` stay edges, all others are smooth.)";
             .in(Unit::degrees)
             .at_least(0)
             .at_most(180),
+        parameter("weld", &TriangleMesh::weld, k_weld_doc).in(Unit::length).at_least(0),
     };
   }
 

@@ -23,11 +23,12 @@ public:
 
   void load(TriangleMesh<AnimatedMode>& k, const JsonValue& source) {
     if (k.file.resolved.empty()) return;
-    const auto [entry, is_new] = meshes_.try_emplace({k.file.resolved, k.crease});
+    const auto [entry, is_new] = meshes_.try_emplace({k.file.resolved, {k.crease, k.weld}});
     std::shared_ptr<const SurfaceMesh>& loaded = entry->second;
     if (is_new)
-      attempt(*source.find("file"),
-              [&] { loaded = std::make_shared<const SurfaceMesh>(load_surface_mesh(k.file.resolved, k.crease, diagnostics_)); });
+      attempt(*source.find("file"), [&] {
+        loaded = std::make_shared<const SurfaceMesh>(load_surface_mesh(k.file.resolved, {k.crease, k.weld}, diagnostics_));
+      });
     k.mesh = loaded;
   }
 
@@ -45,10 +46,12 @@ public:
     if (k.file.resolved.empty()) return;
     double reach = k.radius.at(0); // at any time; a constant has no keys
     for (const Key<float>& key : k.radius.keys()) reach = std::max(reach, double(key.value));
-    const auto [entry, is_new] = grids_.try_emplace({k.file.resolved, k.voxel, reach});
+    const auto [entry, is_new] = grids_.try_emplace({k.file.resolved, {k.voxel, reach, k.weld}});
     std::shared_ptr<const DistanceGrid>& loaded = entry->second;
     if (is_new)
-      attempt(*source.find("file"), [&] { loaded = load_distance_grid(k.file.resolved, k.voxel, reach, use_cache_, diagnostics_); });
+      attempt(*source.find("file"), [&] {
+        loaded = load_distance_grid(k.file.resolved, {k.voxel, reach, k.weld}, use_cache_, diagnostics_);
+      });
     k.grid = loaded;
   }
 
@@ -80,9 +83,9 @@ private:
   ProblemList& problems_;
   Diagnostics& diagnostics_;
   std::map<std::string, CloudPtr> clouds_;
-  std::map<std::pair<std::string, float>, std::shared_ptr<const SurfaceMesh>> meshes_;         ///< by file and crease
+  std::map<std::pair<std::string, SurfaceOptions>, std::shared_ptr<const SurfaceMesh>> meshes_;
   std::map<std::pair<std::string, int>, std::shared_ptr<const SubdivisionMesh>> subdivisions_; ///< by file and levels
-  std::map<std::tuple<std::string, double, double>, std::shared_ptr<const DistanceGrid>> grids_; ///< by file, voxel and reach
+  std::map<std::pair<std::string, MeshSampling>, std::shared_ptr<const DistanceGrid>> grids_;
 };
 
 } // namespace

@@ -215,7 +215,7 @@ TEST(MeshDistances, BrokenMeshesAreFieldsToo) {
     try {
       const Mesh mesh = load_mesh(entry.path().string(), quiet);
       const double longest = std::max({bounding_box(mesh).extent().x, bounding_box(mesh).extent().y, bounding_box(mesh).extent().z});
-      grid = load_distance_grid(entry.path().string(), longest / 16, 0, false, quiet);
+      grid = load_distance_grid(entry.path().string(), {longest / 16}, false, quiet);
     } catch (const Error& e) {
       EXPECT_EQ(e.status, ExitStatus::bad_data);
       continue;

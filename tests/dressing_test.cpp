@@ -16,7 +16,7 @@ struct Faces {
 TriangleMesh<SampledMode> mesh_of(const Faces& faces, double crease = 30) {
   Diagnostics diagnostics;
   TriangleMesh<SampledMode> kind;
-  kind.mesh = std::make_shared<SurfaceMesh>(make_surface_mesh(faces.positions, faces.triangles, crease, "test", diagnostics));
+  kind.mesh = std::make_shared<SurfaceMesh>(make_surface_mesh(faces.positions, faces.triangles, {crease}, "test", diagnostics));
   return kind;
 }
 

@@ -421,7 +421,7 @@ TEST(Blur, APlaneThatRises) {
 std::shared_ptr<const SurfaceMesh> small_mesh() {
   Diagnostics diagnostics;
   const std::vector<Vec3d> corners{{-0.6, -0.4, -0.5}, {0.7, -0.5, -0.3}, {0, -0.4, 0.8}, {0.1, 0.9, 0}};
-  return std::make_shared<SurfaceMesh>(make_surface_mesh(corners, {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}}, 30, "test", diagnostics));
+  return std::make_shared<SurfaceMesh>(make_surface_mesh(corners, {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}}, {}, "test", diagnostics));
 }
 
 SampledShape mesh_shape(const std::shared_ptr<const SurfaceMesh>& surface, const Vec3& position, float angle, const Vec3& scale) {

@@ -26,16 +26,15 @@ void append_little_endian(std::string& bytes, float value) {
   for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>(bits >> shift & 0xff);
 }
 
-Blob to_blob(const std::array<double, 5>& v, size_t index, const std::string& path) {
+Blob to_blob(const std::array<double, 5>& v, size_t index, const SourcePosition& where) {
   for (size_t k = 0; k < v.size(); ++k)
     if (!std::isfinite(static_cast<float>(v[k])))
-      throw Error(ExitStatus::bad_data, fmt::format("blob {}: {} is not a finite number", index, k_properties[k]), {path, 0, 0});
+      throw Error(ExitStatus::bad_data, fmt::format("blob {}: {} is not a finite number", index, k_properties[k]), where);
   Blob b;
   b.centre = Vec3(v[0], v[1], v[2]);
   b.radius = static_cast<float>(v[3]);
   b.weight = static_cast<float>(v[4]);
-  if (!(b.radius > 0))
-    throw Error(ExitStatus::bad_data, fmt::format("blob {}: the radius must be above 0, not {}", index, v[3]), {path, 0, 0});
+  if (!(b.radius > 0)) throw Error(ExitStatus::bad_data, fmt::format("blob {}: the radius must be above 0, not {}", index, v[3]), where);
   return b;
 }
 
@@ -55,7 +54,7 @@ BlobCloud parse_blob_cloud(const std::string& bytes, const std::string& path) {
                 {path, vertices->line, 0});
   for (size_t k = 0; k < column.size(); ++k) {
     column[k] = vertices->column(k_properties[k]);
-    if (column[k] < 0 || vertices->properties[column[k]].is_list)
+    if (column[k] < 0)
       throw Error(ExitStatus::bad_data,
                   fmt::format("the vertices have no property \"{}\"; a cloud needs x y z radius weight", k_properties[k]),
                   {path, vertices->line, 0});
@@ -66,7 +65,7 @@ BlobCloud parse_blob_cloud(const std::string& bytes, const std::string& path) {
     if (&e != vertices) return;
     std::array<double, 5> v{};
     for (size_t k = 0; k < v.size(); ++k) v[k] = row.scalars[column[k]];
-    cloud.push_back(to_blob(v, cloud.size(), path));
+    cloud.push_back(to_blob(v, cloud.size(), {path, row.line, 0}));
   });
   return cloud;
 }

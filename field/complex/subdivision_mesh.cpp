@@ -39,9 +39,6 @@ void check(const PolygonSoup& soup, const std::string& path) {
       throw Error(ExitStatus::bad_data, fmt::format("face {} has not three different corners or more", f),
                   {path, soup.lines.empty() ? 0 : soup.lines[f], 0});
   }
-  for (size_t i = 0; i < soup.positions.size(); ++i)
-    if (!glm::all(glm::lessThan(glm::abs(soup.positions[i]), Vec3d(1e30))))
-      throw Error(ExitStatus::bad_data, fmt::format("vertex {} is not at a finite place", i), {path, 0, 0});
 }
 
 Refiner make_refiner(const PolygonSoup& soup, const std::string& path) {
@@ -65,7 +62,7 @@ Refiner make_refiner(const PolygonSoup& soup, const std::string& path) {
 
 /// The property `thickness` of a PLY's vertices.
 void read_thickness(std::string_view bytes, const std::string& path, std::vector<CageVertex>& cage) {
-  if (bytes.substr(0, 3) != "ply") return;
+  if (!is_ply(bytes)) return;
   const PlyHeader header = read_ply_header(bytes, path);
   size_t i = 0;
   read_ply_rows(bytes, path, header, [&](const PlyElement& e, const PlyRow& row) {

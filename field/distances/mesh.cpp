@@ -14,11 +14,12 @@ namespace {
 constexpr double k_default_voxels = 128, k_most_voxels = 1024, k_band_voxels = 4;
 
 /// Raise it whenever the same mesh yields other distances.
-constexpr int k_revision = 1;
+constexpr int k_revision = 2;
 
-std::string cache_key(const std::string& bytes, double voxel, double band) {
+std::string cache_key(const std::string& bytes, const MeshSampling& how, double band) {
   const XXH128_hash_t content = XXH3_128bits(bytes.data(), bytes.size());
-  const std::string all = fmt::format("{:016x}{:016x} {} {} {} {}", content.high64, content.low64, voxel, band, k_revision, KELPIE_VERSION);
+  const std::string all =
+      fmt::format("{:016x}{:016x} {} {} {} {} {}", content.high64, content.low64, how.voxel, band, how.weld, k_revision, KELPIE_VERSION);
   const XXH128_hash_t key = XXH3_128bits(all.data(), all.size());
   return fmt::format("distance-{:016x}{:016x}", key.high64, key.low64);
 }
@@ -37,22 +38,22 @@ DistanceGrid make_distance_grid(const Mesh& mesh, double voxel, double band) {
   return {Box3d{box.lower + mesh.origin, box.upper + mesh.origin}.padded(band), voxel, band, distance};
 }
 
-std::shared_ptr<const DistanceGrid> load_distance_grid(const std::string& path, double voxel, double reach, bool use_cache,
+std::shared_ptr<const DistanceGrid> load_distance_grid(const std::string& path, MeshSampling how, bool use_cache,
                                                        Diagnostics& diagnostics) {
   const std::string bytes = read_file_bytes(path);
-  const Mesh mesh = parse_mesh(bytes, path, diagnostics); // its warnings are due every time
+  const Mesh mesh = parse_mesh(bytes, path, diagnostics, {how.weld, false}); // its warnings are due every time
   const Vec3d extent = bounding_box(mesh).extent();
   const double longest = std::max({extent.x, extent.y, extent.z});
-  if (!(voxel > 0)) voxel = longest / k_default_voxels;
-  const double band = std::max(reach, k_band_voxels * voxel), along = (longest + 2 * band) / voxel;
+  if (!(how.voxel > 0)) how.voxel = longest / k_default_voxels;
+  const double band = std::max(how.reach, k_band_voxels * how.voxel), along = (longest + 2 * band) / how.voxel;
   if (!(along <= k_most_voxels))
     throw Error(ExitStatus::bad_data, fmt::format("{}: {:.0f} voxels along the mesh are too many (at most {:.0f}): "
                                                   "take a larger voxel or a smaller radius",
                                                   path, along, k_most_voxels));
-  const std::string key = cache_key(bytes, voxel, band);
+  const std::string key = cache_key(bytes, how, band);
   if (const auto cached = use_cache ? read_cached(key) : std::nullopt)
     if (auto grid = DistanceGrid::from_bytes(*cached)) return std::make_shared<const DistanceGrid>(std::move(*grid));
-  auto grid = std::make_shared<const DistanceGrid>(make_distance_grid(mesh, voxel, band));
+  auto grid = std::make_shared<const DistanceGrid>(make_distance_grid(mesh, how.voxel, band));
   if (use_cache) write_cached(key, grid->to_bytes(), fmt::format("the distances of {} are", path), diagnostics);
   return grid;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <memory>
 
 #include "field/distances/distance_field.h"
@@ -8,10 +9,17 @@
 
 namespace kelpie {
 
-/// The distances of a mesh file, in the file's own coordinates. `voxel` is the size of voxels, `reach` how far the field is asked to
-/// reach at least; 0: as it comes. Kept in the cache, if that is to be used. Throws Error: as load_mesh, and bad_data where the voxels
-/// would be too many.
-std::shared_ptr<const DistanceGrid> load_distance_grid(const std::string& path, double voxel, double reach, bool use_cache, Diagnostics&);
+/// How a mesh is sampled.
+struct MeshSampling {
+  double voxel = 0; ///< the size of voxels; 0: a 128th of the mesh's longest side
+  double reach = 0; ///< how far the field is asked to reach at least; 0: as it comes
+  double weld = 0;  ///< as in MeshOptions
+  auto operator<=>(const MeshSampling&) const = default;
+};
+
+/// The distances of a mesh file, in the file's own coordinates. What is inside is decided by the mesh as it was read: holes stay open.
+/// Kept in the cache, if that is to be used. Throws Error: as load_mesh, and bad_data where the voxels would be too many.
+std::shared_ptr<const DistanceGrid> load_distance_grid(const std::string& path, MeshSampling, bool use_cache, Diagnostics&);
 
 /// The same for a mesh at hand.
 DistanceGrid make_distance_grid(const Mesh&, double voxel, double band);
@@ -25,6 +33,7 @@ struct SdfMesh : DistanceField<SdfMesh<Mode>> {
 
 OBJ, PLY, OFF or STL, in its own units; `scale`, `rotate` and `translate` place it. Inside is where the mesh winds around a place by
 more than a half (the generalised winding number), so it need not be closed: over holes the surface is what would close them best.
+Seams whose vertices differ by rounding are welded. A closed part that faces inward is turned, with what lies in it; open ones are not.
 The distance is sampled on a lattice and interpolated linearly between its places: details smaller than a voxel are lost, and edges
 are rounded by about half of one. With a voxel of a 200th of the mesh's size or less, facets do not show on matte surfaces. The
 first time takes seconds. With another falloff it is a soft skeleton. Source: methods.md section 2; Jacobson, Kavan and
@@ -32,6 +41,7 @@ Sorkine-Hornung 2013, Barill et al. 2018 (winding numbers).)";
 
   AssetPath file;
   double voxel = 0;
+  double weld = 0;
   Value<Mode, float> radius{0.f};
   Value<Mode, float> weight{1.f};
   DistanceFalloff falloff = DistanceFalloff::distance;
@@ -44,6 +54,7 @@ Sorkine-Hornung 2013, Barill et al. 2018 (winding numbers).)";
         parameter("voxel", &SdfMesh::voxel, "the size of the lattice's voxels; 0: a 128th of the mesh's longest side")
             .in(Unit::length)
             .at_least(0),
+        parameter("weld", &SdfMesh::weld, k_weld_doc).in(Unit::length).at_least(0),
         parameter("radius", &SdfMesh::radius, "how far from the surface the field reaches; 0: four voxels").in(Unit::length).at_least(0),
         parameter("weight", &SdfMesh::weight, k_distance_weight_doc),
         parameter("falloff", &SdfMesh::falloff, k_distance_falloff_doc),

@@ -15,8 +15,8 @@ namespace kelpie {
 
 namespace {
 
-std::optional<PlyType> type_named(std::string_view name) {
-  static constexpr std::array<std::pair<std::string_view, PlyType>, 16> k_types{{{"char", PlyType::int8},
+std::optional<PlyType> type_named(const std::string& name) {
+  static constexpr std::array<std::pair<std::string_view, PlyType>, 18> k_types{{{"char", PlyType::int8},
                                                                                  {"uchar", PlyType::uint8},
                                                                                  {"short", PlyType::int16},
                                                                                  {"ushort", PlyType::uint16},
@@ -30,6 +30,8 @@ std::optional<PlyType> type_named(std::string_view name) {
                                                                                  {"uint16", PlyType::uint16},
                                                                                  {"int32", PlyType::int32},
                                                                                  {"uint32", PlyType::uint32},
+                                                                                 {"int64", PlyType::int64},
+                                                                                 {"uint64", PlyType::uint64},
                                                                                  {"float32", PlyType::float32},
                                                                                  {"float64", PlyType::float64}}};
   for (const auto& [known, type] : k_types)
@@ -46,6 +48,8 @@ size_t size_of(PlyType t) {
   case PlyType::int32:
   case PlyType::uint32:
   case PlyType::float32: return 4;
+  case PlyType::int64:
+  case PlyType::uint64:
   case PlyType::float64: return 8;
   }
   return 8;
@@ -60,14 +64,16 @@ size_t smallest_row(const PlyElement& e, PlyFormat format) {
 
 class HeaderReader {
 public:
-  HeaderReader(std::string_view bytes, const std::string& file) : text_(bytes, file) {}
+  HeaderReader(std::string_view bytes, const std::string& file) : text_(bytes, file), bytes_(bytes) {
+    if (bytes.starts_with("\xef\xbb\xbf")) text_ = TextCursor(bytes.substr(3), file), skipped_ = 3;
+  }
 
   PlyHeader read() {
-    if (text_.next_in_line() != "ply") text_.fail("not a PLY file: it does not begin with \"ply\"");
+    if (lower_case(text_.next()) != "ply") text_.fail("not a PLY file: it does not begin with \"ply\"");
     bool has_format = false;
     for (;;) {
       if (!text_.next_line()) text_.fail("the PLY header has no \"end_header\"");
-      const std::string_view word = text_.next_in_line();
+      const std::string word = lower_case(text_.next_in_line());
       if (word == "end_header") break;
       if (word == "format")
         read_format(), has_format = true;
@@ -79,13 +85,20 @@ public:
         text_.fail(fmt::format("unknown word in the PLY header: \"{:.40}\"", printable(word)));
     }
     if (!has_format) text_.fail("the PLY header has no \"format\"");
-    text_.next_line();
-    header_.body = text_.offset();
+    step_into_body();
     check_counts();
     return std::move(header_);
   }
 
 private:
+  /// Where lines end in \r alone, a \n behind the last belongs to the body.
+  void step_into_body() {
+    text_.next_line();
+    header_.body = skipped_ + text_.offset();
+    const std::string_view header = bytes_.substr(0, header_.body);
+    if (header.ends_with("\r\n") && header.find('\n') == header.size() - 1) --header_.body;
+  }
+
   static std::string printable(std::string_view word) {
     std::string s;
     for (const char c : word) s += c >= ' ' && c <= '~' ? c : '?';
@@ -93,7 +106,7 @@ private:
   }
 
   void read_format() {
-    const std::string_view word = text_.next_in_line();
+    const std::string word = lower_case(text_.next_in_line());
     if (word == "ascii")
       header_.format = PlyFormat::ascii;
     else if (word == "binary_little_endian")
@@ -106,17 +119,19 @@ private:
 
   void read_element() {
     PlyElement e;
-    e.name = text_.next_in_line();
+    e.name = lower_case(text_.next_in_line());
     e.line = text_.where().line;
     const auto count = to_integer(text_.next_in_line());
     if (e.name.empty() || !count || *count < 0) text_.fail("expected: element NAME COUNT");
     e.count = static_cast<size_t>(*count);
+    for (const PlyElement& other : header_.elements)
+      if (other.name == e.name) text_.fail(fmt::format("two elements of the name \"{:.40}\"", printable(e.name)));
     header_.elements.push_back(std::move(e));
   }
 
   PlyType read_type() {
-    const auto type = type_named(text_.next_in_line());
-    if (!type) text_.fail("unknown PLY type; known: char, uchar, short, ushort, int, uint, float, double");
+    const auto type = type_named(lower_case(text_.next_in_line()));
+    if (!type) text_.fail("unknown PLY type; known: char, uchar, short, ushort, int, uint, int64, uint64, float, double");
     return *type;
   }
 
@@ -124,14 +139,14 @@ private:
     if (header_.elements.empty()) text_.fail("a property before any element");
     PlyProperty p;
     TextCursor ahead = text_;
-    if (ahead.next_in_line() == "list") {
+    if (lower_case(ahead.next_in_line()) == "list") {
       text_.next_in_line();
       p.is_list = true;
       p.count_type = read_type();
       if (p.count_type == PlyType::float32 || p.count_type == PlyType::float64) text_.fail("the length of a list must be a whole number");
     }
     p.type = read_type();
-    p.name = text_.next_in_line();
+    p.name = lower_case(text_.next_in_line());
     if (p.name.empty()) text_.fail("a property without a name");
     header_.elements.back().properties.push_back(std::move(p));
   }
@@ -149,6 +164,8 @@ private:
   }
 
   TextCursor text_;
+  std::string_view bytes_;
+  size_t skipped_ = 0; ///< of the bytes, before the text
   PlyHeader header_;
 };
 
@@ -166,11 +183,14 @@ public:
     case PlyType::uint16: return load<uint16_t>();
     case PlyType::int32: return load<int32_t>();
     case PlyType::uint32: return load<uint32_t>();
+    case PlyType::int64: return static_cast<double>(load<int64_t>());
+    case PlyType::uint64: return static_cast<double>(load<uint64_t>());
     case PlyType::float32: return load<float>();
     case PlyType::float64: return load<double>();
     }
     return 0;
   }
+  int line() const { return 0; }
   bool has_room(size_t count, PlyType t) const { return count <= (bytes_.size() - offset_) / size_of(t); }
   [[noreturn]] void fail(const std::string& message) const { throw Error(ExitStatus::bad_data, message, {file_, 0, 0}); }
 
@@ -193,8 +213,10 @@ private:
 /// Numbers of an ASCII body.
 class TextSource {
 public:
-  TextSource(std::string_view bytes, size_t offset, const std::string& file) : text_(bytes, file) {
-    while (text_.offset() < offset) text_.next_line();
+  TextSource(std::string_view bytes, size_t offset, const std::string& file) : text_(without_padding(bytes, file), file) {
+    const size_t skipped = bytes.starts_with("\xef\xbb\xbf") ? 3 : 0;
+    while (skipped + text_.offset() < offset && text_.next_line()) {
+    }
   }
 
   double number(PlyType) {
@@ -204,6 +226,7 @@ public:
     if (!value) text_.fail("expected a number");
     return *value;
   }
+  int line() const { return text_.where().line; }
   bool has_room(size_t count, PlyType) const { return count <= (text_.remaining() + 1) / 2; }
   [[noreturn]] void fail(const std::string& message) const { text_.fail(message); }
 
@@ -221,6 +244,7 @@ void read_rows(Source source, const PlyHeader& header, const std::function<void(
       for (size_t k = 0; k < e.properties.size(); ++k) {
         const PlyProperty& p = e.properties[k];
         row.scalars[k] = source.number(p.is_list ? p.count_type : p.type);
+        if (k == 0) row.line = source.line();
         if (!p.is_list) continue;
         const double count = row.scalars[k];
         if (!(count >= 0 && count <= 4294967295.0 && count == std::floor(count)) || !source.has_room(static_cast<size_t>(count), p.type))
@@ -235,9 +259,9 @@ void read_rows(Source source, const PlyHeader& header, const std::function<void(
 
 } // namespace
 
-int PlyElement::column(std::string_view property) const {
+int PlyElement::column(std::string_view property, bool is_list) const {
   for (size_t k = 0; k < properties.size(); ++k)
-    if (properties[k].name == property) return static_cast<int>(k);
+    if (properties[k].name == property && properties[k].is_list == is_list) return static_cast<int>(k);
   return -1;
 }
 

@@ -8,7 +8,7 @@
 
 namespace kelpie {
 
-enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+enum class PlyType { int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64 };
 
 struct PlyProperty {
   std::string name;
@@ -24,14 +24,15 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
   int line = 0; ///< of the header
 
-  /// The property's column, or -1.
-  int column(std::string_view property) const;
+  /// The column of the property, which is a list or not, or -1.
+  int column(std::string_view property, bool is_list = false) const;
 };
 
 /// One row. A list's scalar is its length; its items are in `lists` at the same column.
 struct PlyRow {
   std::vector<double> scalars;
   std::vector<std::vector<double>> lists;
+  int line = 0; ///< of the file; 0: it is binary
 };
 
 enum class PlyFormat { ascii, little_endian, big_endian };
@@ -42,8 +43,8 @@ struct PlyHeader {
   size_t body = 0; ///< the offset of the first byte after the header
 };
 
-/// `file` is the name that messages bear. Counts are checked against the bytes that remain, so a
-/// caller may reserve room for an element's rows. Throws Error, bad_data.
+/// Keywords, types and names may be in any case; names are in lower case here. `file` is the name that messages bear. Counts are checked
+/// against the bytes that remain, so a caller may reserve room for an element's rows. Throws Error, bad_data.
 PlyHeader read_ply_header(std::string_view bytes, const std::string& file);
 
 /// Calls `visit(element, row)` for every row of the file in order.

@@ -4,14 +4,15 @@
 
 #include <fmt/format.h>
 
-#include "field/files/text_cursor.h"
 #include "field/mesh/formats.h"
 
 namespace kelpie {
 
 namespace {
 
-/// Statements that say nothing about faces and positions.
+/// Statements that say nothing about faces and positions: those that name something, and all.
+constexpr std::array<std::string_view, 12> k_names{"o",     "g",          "usemtl",    "mtllib", "usemap", "maplib",
+                                                   "group", "shadow_obj", "trace_obj", "call",   "csh",    "s"};
 constexpr std::array<std::string_view, 38> k_ignored{
     "vt",       "vn",       "vp",   "l",          "p",         "o",    "g",    "s",      "usemtl", "mtllib", "mg",    "cstype", "deg",
     "bmat",     "step",     "curv", "curv2",      "surf",      "parm", "trim", "hole",   "scrv",   "sp",     "end",   "con",    "bevel",
@@ -19,36 +20,27 @@ constexpr std::array<std::string_view, 38> k_ignored{
 
 class ObjReader {
 public:
-  ObjReader(std::string_view bytes, const std::string& file, Diagnostics& diagnostics) : text_(bytes, file), diagnostics_(diagnostics) {
+  ObjReader(std::string_view bytes, const std::string& file, Diagnostics& diagnostics)
+      : text_(without_padding(bytes, file), file), diagnostics_(diagnostics) {
     text_.set_comment('#');
     text_.set_continuation('\\');
   }
 
   PolygonSoup read() {
     do {
-      const std::string_view word = text_.next_in_line();
+      const std::string word = lower_case(text_.next_in_line());
       if (word == "v")
-        read_position();
+        read_position(text_, &TextCursor::next_in_line, "expected three numbers after \"v\"", soup_);
       else if (word == "f" || word == "fo")
         read_face();
       else if (!word.empty())
-        check_ignored(word);
+        ignore(word);
     } while (text_.next_line());
     check_indices();
     return std::move(soup_);
   }
 
 private:
-  void read_position() {
-    Vec3d p;
-    for (int k = 0; k < 3; ++k) {
-      const auto x = to_number(text_.next_in_line());
-      if (!x) text_.fail("expected three numbers after \"v\"");
-      p[k] = *x;
-    }
-    soup_.positions.push_back(p);
-  }
-
   void read_face() {
     const int line = text_.where().line;
     corners_.clear();
@@ -66,7 +58,9 @@ private:
     append_face(soup_, corners_, line, text_.file());
   }
 
-  void check_ignored(std::string_view word) {
+  /// Names may end in a backslash, which joins no line.
+  void ignore(const std::string& word) {
+    if (std::find(k_names.begin(), k_names.end(), word) != k_names.end()) text_.rest_of_line();
     if (std::find(k_ignored.begin(), k_ignored.end(), word) != k_ignored.end()) return;
     const bool is_text = std::all_of(word.begin(), word.end(), [](char c) { return c > ' ' && c <= '~'; });
     if (!is_text || word.size() > 32) text_.fail("not an OBJ file");

@@ -16,8 +16,10 @@ struct Components {
 /// Finds the components and turns triangles so that neighbours agree; the majority keeps its orientation.
 Components orient_consistently(std::vector<Triangle>&);
 
-/// Turns components outward, and inward where they lie inside an odd number of others. Returns how
-/// many triangles were turned.
+/// Turns what faces the wrong way. Which component is a cavity in another, and which a body of its own, is as the triangles say: components
+/// turn together with the outermost closed one that they lie in, if its volume is negative. An open component has no volume that
+/// tells; those that lie in no other turn all together, and only if their joint volume is negative whatever point of their box it is
+/// measured from. Returns how many triangles were turned.
 size_t orient_outward(const std::vector<Vec3d>& positions, const Components&, std::vector<Triangle>&);
 
 } // namespace kelpie

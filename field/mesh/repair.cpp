@@ -1,48 +1,47 @@
 #include "field/mesh/repair.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "field/mesh/edges.h"
 #include "field/mesh/orient.h"
+#include "field/mesh/triangle_tree.h"
 #include "field/mesh/triangulate.h"
+#include "field/mesh/weld.h"
 
 namespace kelpie {
 
 namespace {
 
-/// Beyond this a coordinate is no place: its cube must be far from overflow.
-constexpr double k_farthest = 1e30;
+/// A lid is right if the mesh winds around it by a half, more or less.
+constexpr double k_least_winding = 0.3, k_most_winding = 0.7;
 
 constexpr uint32_t k_none = std::numeric_limits<uint32_t>::max();
 
 class Repair {
 public:
-  Repair(std::vector<Vec3d> positions, std::vector<Triangle> triangles, const std::string& file, Diagnostics& diagnostics)
-      : positions_(std::move(positions)), triangles_(std::move(triangles)), file_(file), diagnostics_(diagnostics) {}
+  Repair(std::vector<Vec3d> positions, std::vector<Triangle> triangles, const MeshOptions& options, const std::string& file,
+         Diagnostics& diagnostics)
+      : positions_(std::move(positions)), triangles_(std::move(triangles)), options_(options), file_(file), diagnostics_(diagnostics) {}
 
   Mesh run() {
-    drop_unusable_triangles(positions_, triangles_, file_, diagnostics_);
+    drop_unused_vertices();
     merge_equal_vertices();
+    weld_borders(positions_, triangles_, options_.weld, file_, diagnostics_);
     drop_degenerate();
     drop_duplicates();
     if (triangles_.empty()) throw Error(ExitStatus::bad_data, "the mesh has no face with three different vertices", {file_, 0, 0});
     drop_unused_vertices();
     centre();
-    Components components = orient_consistently(triangles_);
+    const Components components = orient_consistently(triangles_);
     warn(components.turned, "triangles turned to agree with their neighbours: {}");
     warn(components.contradictions, "edges whose triangles cannot agree on an outside (a one-sided surface): {}");
-    if (const size_t holes = close_holes()) {
-      warn(holes, "holes that were closed: {}");
-      components = orient_consistently(triangles_);
-    }
     warn(orient_outward(positions_, components, triangles_), "triangles turned in components that faced the wrong way: {}");
+    if (options_.closes_holes) warn(close_holes(), "holes that were closed: {}");
     return report();
   }
 
@@ -108,8 +107,24 @@ private:
     for (Vec3d& p : positions_) p -= origin_;
   }
 
-  /// Closes every boundary loop that touches itself nowhere. Returns how many there were.
+  /// Closes every boundary loop that is a hole and touches itself nowhere. Returns how many there were.
   size_t close_holes() {
+    const std::vector<std::vector<uint32_t>> loops = boundary_loops();
+    if (loops.empty()) return 0;
+    const TriangleTree as_read(Mesh{positions_, triangles_, origin_});
+    size_t holes = 0;
+    std::vector<Triangle> lid;
+    for (const std::vector<uint32_t>& loop : loops) {
+      lid.clear();
+      triangulate(positions_, loop, lid);
+      if (!is_worth_closing(loop) || !is_boundary(lid, as_read)) continue;
+      triangles_.insert(triangles_.end(), lid.begin(), lid.end());
+      ++holes;
+    }
+    return holes;
+  }
+
+  std::vector<std::vector<uint32_t>> boundary_loops() const {
     std::vector<uint32_t> after(positions_.size(), k_none); // the boundary runs against its triangles
     std::vector<char> is_forked(positions_.size(), 0);
     for_each_edge(sorted_half_edges(triangles_), [&](const HalfEdge* first, const HalfEdge* last) {
@@ -118,7 +133,7 @@ private:
       if (after[start] != k_none) is_forked[start] = 1;
       after[start] = end;
     });
-    size_t holes = 0;
+    std::vector<std::vector<uint32_t>> loops;
     std::vector<uint32_t> loop;
     for (uint32_t seed = 0; seed < after.size(); ++seed) {
       if (after[seed] == k_none) continue;
@@ -131,9 +146,20 @@ private:
       }
       is_simple = is_simple && loop.size() > 3 && loop.back() == seed;
       loop.pop_back();
-      if (is_simple && is_worth_closing(loop)) triangulate(positions_, loop, triangles_), ++holes;
+      if (is_simple) loops.push_back(loop);
     }
-    return holes;
+    return loops;
+  }
+
+  /// Whether a lid lies between inside and outside, by the mean winding number of the mesh around its triangles.
+  bool is_boundary(const std::vector<Triangle>& lid, const TriangleTree& mesh) const {
+    double sum = 0, area = 0;
+    for (const Triangle& t : lid) {
+      const Vec3d &a = positions_[t[0]], &b = positions_[t[1]], &c = positions_[t[2]];
+      const double share = glm::length(glm::cross(b - a, c - a)) + std::numeric_limits<double>::min();
+      sum += share * mesh.winding((a + b + c) / 3.0), area += share;
+    }
+    return sum > k_least_winding * area && sum < k_most_winding * area;
   }
 
   /// Not the outline of a triangle that stands alone: its lid would be the triangle itself.
@@ -163,6 +189,7 @@ private:
 
   std::vector<Vec3d> positions_;
   std::vector<Triangle> triangles_;
+  MeshOptions options_;
   std::string file_;
   Diagnostics& diagnostics_;
   Vec3d origin_{0};
@@ -170,36 +197,9 @@ private:
 
 } // namespace
 
-void drop_unusable_triangles(std::vector<Vec3d>& positions, std::vector<Triangle>& triangles, const std::string& file,
-                             Diagnostics& diagnostics) {
-  const auto is_unusable = [](const Vec3d& p) {
-    return !(std::abs(p.x) < k_farthest && std::abs(p.y) < k_farthest && std::abs(p.z) < k_farthest);
-  };
-  const size_t before = triangles.size();
-  const auto has_unusable = [&](const Triangle& t) {
-    return std::any_of(t.begin(), t.end(), [&](uint32_t v) { return is_unusable(positions[v]); });
-  };
-  triangles.erase(std::remove_if(triangles.begin(), triangles.end(), has_unusable), triangles.end());
-  if (const size_t dropped = before - triangles.size())
-    diagnostics.warning({file, 0, 0}, fmt::format("triangles dropped for coordinates that are not finite or beyond 1e30: {}", dropped));
-  for (Vec3d& p : positions)
-    if (is_unusable(p)) p = Vec3d(0);
-}
-
-std::vector<uint32_t> first_at_same_place(const std::vector<Vec3d>& positions) {
-  std::vector<uint32_t> order(positions.size()), first(positions.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const auto key = [&](uint32_t i) { return std::tuple(positions[i].x, positions[i].y, positions[i].z, i); };
-  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key(a) < key(b); });
-  for (size_t i = 0; i < order.size(); ++i) {
-    const bool is_same = i > 0 && positions[order[i]] == positions[order[i - 1]];
-    first[order[i]] = is_same ? first[order[i - 1]] : order[i];
-  }
-  return first;
-}
-
-Mesh repair_mesh(std::vector<Vec3d> positions, std::vector<Triangle> triangles, const std::string& file, Diagnostics& diagnostics) {
-  return Repair(std::move(positions), std::move(triangles), file, diagnostics).run();
+Mesh repair_mesh(std::vector<Vec3d> positions, std::vector<Triangle> triangles, const MeshOptions& options, const std::string& file,
+                 Diagnostics& diagnostics) {
+  return Repair(std::move(positions), std::move(triangles), options, file, diagnostics).run();
 }
 
 } // namespace kelpie

@@ -7,7 +7,7 @@
 
 #include "base/file_bytes.h"
 #include "field/mesh/formats.h"
-#include "field/mesh/repair.h"
+#include "field/mesh/weld.h"
 
 namespace kelpie {
 
@@ -71,12 +71,12 @@ private:
 
 } // namespace
 
-SurfaceMesh make_surface_mesh(std::vector<Vec3d> positions, std::vector<Triangle> triangles, double crease, const std::string& file,
-                              Diagnostics& diagnostics) {
-  drop_unusable_triangles(positions, triangles, file, diagnostics);
+SurfaceMesh make_surface_mesh(std::vector<Vec3d> positions, std::vector<Triangle> triangles, const SurfaceOptions& options,
+                              const std::string& file, Diagnostics& diagnostics) {
   const std::vector<uint32_t> first = first_at_same_place(positions);
   for (Triangle& t : triangles)
     for (uint32_t& v : t) v = first[v];
+  weld_borders(positions, triangles, options.weld, file, diagnostics);
   SurfaceMesh mesh;
   Box3d box;
   for (const Triangle& t : triangles)
@@ -88,15 +88,15 @@ SurfaceMesh make_surface_mesh(std::vector<Vec3d> positions, std::vector<Triangle
   for (const Triangle& t : triangles)
     if (glm::length(area_vector(mesh.positions, t)) > negligible) mesh.triangles.push_back(t);
   if (mesh.triangles.empty()) throw Error(ExitStatus::bad_data, "the mesh has no triangle with an area", {file, 0, 0});
-  NormalMaker(mesh, crease).run();
+  NormalMaker(mesh, options.crease).run();
   return mesh;
 }
 
-SurfaceMesh load_surface_mesh(const std::string& path, double crease, Diagnostics& diagnostics) {
+SurfaceMesh load_surface_mesh(const std::string& path, const SurfaceOptions& options, Diagnostics& diagnostics) {
   std::vector<Vec3d> positions;
   std::vector<Triangle> triangles;
   read_triangles(read_file_bytes(path), path, diagnostics, positions, triangles);
-  return make_surface_mesh(std::move(positions), std::move(triangles), crease, path, diagnostics);
+  return make_surface_mesh(std::move(positions), std::move(triangles), options, path, diagnostics);
 }
 
 } // namespace kelpie

@@ -1,6 +1,8 @@
 // Triangle meshes as they are looked at: set dressing, whose inside nobody asks for.
 #pragma once
 
+#include <compare>
+
 #include "field/mesh/mesh.h"
 
 namespace kelpie {
@@ -16,14 +18,21 @@ struct SurfaceMesh {
   Vec3d origin{0};
 };
 
+/// How a mesh is made ready.
+struct SurfaceOptions {
+  double crease = 30; ///< degrees: triangles that meet at more keep an edge between them
+  double weld = 0;    ///< as in MeshOptions
+  auto operator<=>(const SurfaceOptions&) const = default;
+};
+
 /// Reads OBJ, PLY, OFF or STL, as load_mesh does; but holes stay open and nothing is turned. Vertices at the same place
-/// are one, triangles without an area are left out. Triangles that meet at more than `crease` degrees keep an edge
-/// between them. (Normals of the file are not used: two of the formats have none, and many files wrong ones.)
+/// are one, and those of seams (weld.h); triangles without an area are left out. (Normals of the file are not used: two of the formats
+/// have none, and many files wrong ones.)
 /// Throws Error: missing_input, or bad_data with the position in the file.
-SurfaceMesh load_surface_mesh(const std::string& path, double crease, Diagnostics&);
+SurfaceMesh load_surface_mesh(const std::string& path, const SurfaceOptions&, Diagnostics&);
 
 /// The same for faces at hand; `file` names them in messages.
-SurfaceMesh make_surface_mesh(std::vector<Vec3d> positions, std::vector<Triangle> triangles, double crease, const std::string& file,
+SurfaceMesh make_surface_mesh(std::vector<Vec3d> positions, std::vector<Triangle> triangles, const SurfaceOptions&, const std::string& file,
                               Diagnostics&);
 
 } // namespace kelpie
