@@ -14,11 +14,19 @@ namespace kelpie {
 namespace {
 
 constexpr size_t k_usual_blobs = 500;
+constexpr double k_shown_steps = 10;
 
 struct Options : FitCommandOptions {
   std::string mesh, output, stats;
   unsigned threads = 0;
 };
+
+FitResult fit_with_progress(const std::string& mesh_path, const FitCommandOptions& options, Diagnostics& diagnostics) {
+  Progress progress(options.progress, k_shown_steps, fmt::format("steps of fitting {}", mesh_path));
+  FitOptions how{options.blobs > 0 ? options.blobs : k_usual_blobs, options.blobs == 0, options.weld};
+  how.progress = [&](double done) { progress.advance(k_shown_steps * done); };
+  return fit_mesh_file(mesh_path, how, !options.no_cache, diagnostics);
+}
 
 std::string stats_of(const FitResult& r) {
   const nlohmann::ordered_json stats{{"version", KELPIE_VERSION},
@@ -46,13 +54,18 @@ void fit(const Options& options) {
 
 void add_fit_options(CLI::App& command, FitCommandOptions& o) {
   command.add_option("--blobs", o.blobs, "how many blobs to fit [500, or fewer where they are as good]")->check(CLI::Range(1, 20'000));
+  command
+      .add_option(
+          "--weld", o.weld,
+          "vertices on open borders that are nearer to each other than this are one [a 10,000th of the mesh's diagonal, or a quarter "
+          "of the shortest edge at either]")
+      ->check(CLI::NonNegativeNumber);
 }
 
 FitResult fit_and_report(const std::string& mesh_path, const FitCommandOptions& options) {
   set_activity(fmt::format("fitting {}", mesh_path));
   Diagnostics diagnostics;
-  FitResult r =
-      fit_mesh_file(mesh_path, {options.blobs > 0 ? options.blobs : k_usual_blobs, options.blobs == 0}, !options.no_cache, diagnostics);
+  FitResult r = fit_with_progress(mesh_path, options, diagnostics);
   if (r.lost > 0)
     diagnostics.warning({mesh_path, 0, 0}, fmt::format("{:.2g} % of the mesh have no surface near: more blobs may help", 100 * r.lost));
   if (r.spurs > 0)
@@ -76,6 +89,7 @@ void add_fit(CLI::App& app) {
   command.add_flag("--no-cache", options->no_cache, "fit anew, and keep nothing in ~/.cache/kelpie");
   command.add_option("-j,--threads", options->threads, "accepted everywhere; a fit takes one thread")->check(CLI::Range(0, 4096));
   command.add_option("--stats", options->stats, "write the figures to a JSON file");
+  add_progress_option(command, options->progress);
   command.footer("Example:\n  kelpie fit bunny.obj -o bunny_blobs.ply --blobs 500 --stats fit.json");
   command.callback([=] { fit(*options); });
 }

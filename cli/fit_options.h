@@ -5,16 +5,19 @@
 
 #include <CLI/CLI.hpp>
 
+#include "cli/progress.h"
 #include "morph/liquid/fit.h"
 
 namespace kelpie {
 
 struct FitCommandOptions {
   size_t blobs = 0; ///< 0: 500, or fewer where they are as good
+  double weld = 0;  ///< 0: chosen by the mesh
   bool no_cache = false;
+  ProgressMode progress = ProgressMode::automatic;
 };
 
-/// Adds --blobs.
+/// Adds --blobs and --weld.
 void add_fit_options(CLI::App& command, FitCommandOptions& options);
 
 /// Fits the mesh (or takes the fit from the cache); prints warnings and one line of figures to stderr.

@@ -108,6 +108,8 @@ void add_liquid(CLI::App& app) {
       "The morph lasts from the first to the last of the frames; to render some of them only, save the scene, or --skip-existing.");
   command.callback([options, &command] {
     options->no_cache = command.count("--no-cache") > 0;
+    const bool is_bar = options->render.progress == ProgressMode::automatic || options->render.progress == ProgressMode::bar;
+    options->progress = is_bar ? ProgressMode::plain : options->render.progress; // two fits at once cannot share a bar
     liquid(*options);
   });
 }

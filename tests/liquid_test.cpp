@@ -1,5 +1,6 @@
 #include "morph/liquid/fit.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -108,6 +109,38 @@ TEST(Fit, IsTheSameEveryTimeAndInTheFilesCoordinates) {
   mesh.origin = {100, 0, 0};
   const FitResult moved = fit_blobs(mesh, {60, false}, "torus");
   EXPECT_NEAR(moved.blobs[0].centre.x, a.blobs[0].centre.x + 100, 1e-4);
+}
+
+/// 2 by `thickness` by 2.
+Mesh plate(double thickness) {
+  Mesh m;
+  for (int i = 0; i < 8; ++i) m.positions.push_back({i & 4 ? 1 : -1, (i & 2 ? 0.5 : -0.5) * thickness, i & 1 ? 1 : -1});
+  const uint32_t sides[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
+  for (const auto& s : sides) m.triangles.push_back({s[0], s[1], s[2]}), m.triangles.push_back({s[0], s[2], s[3]});
+  return m;
+}
+
+// Samples are farther apart than it is thick, and thousands lie in one plane.
+TEST(Fit, ThinPlatesEndSoon) {
+  std::vector<double> done;
+  FitOptions options;
+  options.progress = [&](double share) { done.push_back(share); };
+  const FitResult r = fit_blobs(plate(0.01), options, "plate");
+  EXPECT_LT(r.sphere_tree_s + r.fit_s, 20);
+  EXPECT_GT(r.blobs.size(), 400u);
+  EXPECT_LT(r.lost, 0.5);
+  EXPECT_GE(done.size(), 3u);
+  EXPECT_TRUE(std::is_sorted(done.begin(), done.end()));
+  EXPECT_GT(done.front(), 0);
+  EXPECT_LE(done.back(), 1);
+  try {
+    fit_blobs(plate(0.01), {50}, "plate");
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.status, ExitStatus::bad_data);
+    EXPECT_NE(std::string(e.what()).find("plate: the mesh is too thin for 50 blobs: "), std::string::npos) << e.what();
+  }
+  EXPECT_LT(fit_blobs(plate(0.5), {300}, "block").rms, 0.004);
 }
 
 TEST(Fit, RefusesWhatEnclosesNothing) {

@@ -13,12 +13,12 @@ namespace kelpie {
 namespace {
 
 /// Raise it whenever the same mesh and options yield other blobs or figures.
-constexpr int k_revision = 2;
+constexpr int k_revision = 3;
 
 std::string cache_key(const std::string& bytes, const FitOptions& options) {
   const XXH128_hash_t content = XXH3_128bits(bytes.data(), bytes.size());
-  const std::string all = fmt::format("{:016x}{:016x} {} {} {} {}", content.high64, content.low64, options.blobs, options.may_use_fewer,
-                                      k_revision, KELPIE_VERSION);
+  const std::string all = fmt::format("{:016x}{:016x} {} {} {} {} {}", content.high64, content.low64, options.blobs, options.may_use_fewer,
+                                      options.weld, k_revision, KELPIE_VERSION);
   const XXH128_hash_t key = XXH3_128bits(all.data(), all.size());
   return fmt::format("fit-{:016x}{:016x}", key.high64, key.low64);
 }
@@ -46,7 +46,7 @@ bool read_entry(const std::string& entry, FitResult& r) {
 
 FitResult fit_mesh_file(const std::string& path, const FitOptions& options, bool use_cache, Diagnostics& diagnostics) {
   const std::string bytes = read_file_bytes(path);
-  const Mesh mesh = parse_mesh(bytes, path, diagnostics); // its warnings are due every time
+  const Mesh mesh = parse_mesh(bytes, path, diagnostics, {options.weld}); // its warnings are due every time
   const std::string key = cache_key(bytes, options);
   FitResult result;
   if (const auto cached = use_cache ? read_cached(key) : std::nullopt; cached && read_entry(*cached, result)) {

@@ -43,11 +43,13 @@ std::vector<BlobParameters> parameters(const std::vector<FitBlob>& blobs) {
 
 } // namespace
 
-Fitter::Fitter(std::vector<SurfaceSample> samples, double area) : samples_(std::move(samples)), poles_(find_poles(samples_, area)) {
+Fitter::Fitter(std::vector<SurfaceSample> samples, const TriangleTree& mesh)
+    : samples_(std::move(samples)), poles_(find_poles(samples_, mesh)) {
   for (size_t i = 0; i < samples_.size(); ++i) add_constraints(i);
 }
 
-std::vector<BlobParameters> Fitter::fit(std::span<const MedialSphere> spheres, size_t wanted) const {
+std::vector<BlobParameters> Fitter::fit(std::span<const MedialSphere> spheres, size_t wanted,
+                                        const std::function<void(double)>& progress) const {
   std::vector<BlobParameters> first;
   for (const MedialSphere& s : spheres) first.push_back(blob_of_sphere(s));
   balance_weights(first);
@@ -56,6 +58,7 @@ std::vector<BlobParameters> Fitter::fit(std::span<const MedialSphere> spheres, s
   for (int round = 0; round < k_rounds; ++round) {
     if (round > 0 && round <= k_relocations) relocate(blobs, wanted);
     improve_blobs(blobs, constraints_);
+    progress(double(round + 1) / k_rounds);
     if (rms_estimate(parameters(blobs)) < k_rms_goal) break;
   }
   return parameters(blobs);

@@ -1,6 +1,7 @@
 // From spheres to blobs.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -12,11 +13,11 @@ namespace kelpie {
 /// Fits blobs to evenly spread surface samples (in units of the shape's diagonal).
 class Fitter {
 public:
-  /// `area` is that of the surface. About twelve samples per blob determine its five parameters well.
-  Fitter(std::vector<SurfaceSample> samples, double area);
+  /// About twelve samples of the surface of `mesh` per blob determine its five parameters well.
+  Fitter(std::vector<SurfaceSample> samples, const TriangleTree& mesh);
 
-  /// At most `wanted` blobs that start as the spheres.
-  std::vector<BlobParameters> fit(std::span<const MedialSphere> spheres, size_t wanted) const;
+  /// At most `wanted` blobs that start as the spheres. `progress` is called with the share that is done.
+  std::vector<BlobParameters> fit(std::span<const MedialSphere> spheres, size_t wanted, const std::function<void(double)>& progress) const;
 
 private:
   void add_constraints(size_t sample);

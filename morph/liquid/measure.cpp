@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "morph/liquid/medial_axis.h"
 #include "morph/liquid/point_index.h"
 
 namespace kelpie {
@@ -44,10 +43,9 @@ double distance_to_surface(const std::vector<BlobParameters>& blobs, const Surfa
 
 } // namespace
 
-FitErrors measure_fit(const std::vector<BlobParameters>& blobs, const Mesh& unit, uint64_t seed) {
+FitErrors measure_fit(const std::vector<BlobParameters>& blobs, const Mesh& unit, const TriangleTree& tree, uint64_t seed) {
   const std::vector<SurfaceSample> samples = random_samples(unit, k_points, seed);
   const PointIndex index(samples);
-  const double area = surface_area(unit);
   FitErrors e;
   double squares = 0;
   size_t lost = 0, outside = 0, spurs = 0;
@@ -55,7 +53,7 @@ FitErrors measure_fit(const std::vector<BlobParameters>& blobs, const Mesh& unit
     const double d = distance_to_surface(blobs, s);
     squares += d * d, e.max = std::max(e.max, d), lost += d >= k_farthest;
     const Vec3d out = s.position + k_outside * s.normal;
-    if (glm::length(samples[index.nearest(out)].position - out) < 0.7 * k_outside || winding_number(samples, area, out) > 0.5) continue;
+    if (glm::length(samples[index.nearest(out)].position - out) < 0.7 * k_outside || tree.winding(out) > 0.5) continue;
     ++outside;
     spurs += evaluate(blobs, out).value > 1;
   }

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "field/mesh/triangle_tree.h"
 #include "morph/liquid/least_squares.h"
 #include "morph/liquid/surface_samples.h"
 
@@ -17,6 +18,7 @@ struct FitErrors {
 
 /// The distance of a point is the nearer of the first crossings on two lines, along the mesh's normal and along the field's
 /// gradient: an upper bound of the true one. (The normal alone misses a rounded rim that passes close by.)
-FitErrors measure_fit(const std::vector<BlobParameters>& blobs, const Mesh& unit, uint64_t seed);
+/// `tree` is that of the mesh.
+FitErrors measure_fit(const std::vector<BlobParameters>& blobs, const Mesh& unit, const TriangleTree& tree, uint64_t seed);
 
 } // namespace kelpie

@@ -1,5 +1,6 @@
 #include "morph/liquid/medial_axis.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -12,8 +13,6 @@ extern "C" {
 namespace kelpie {
 
 namespace {
-
-constexpr double k_pi = 3.14159265358979323846;
 
 /// Qhull's state, freed whatever happens.
 class Qhull {
@@ -30,7 +29,7 @@ public:
 
   /// False where the points span no volume.
   bool triangulate(std::vector<double>& points) {
-    char command[] = "qhull d Qbb Qt Qc Qz";
+    char command[] = "qhull d Qbb Qt Qz";
     // Qhull explains its failures on a stream; ours is that there are no poles.
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> sink(std::fopen("/dev/null", "w"), &std::fclose);
     const int failure = qh_new_qhull(&state_, 3, static_cast<int>(points.size() / 3), points.data(), False, command, nullptr, sink.get());
@@ -70,42 +69,56 @@ bool circumcentre(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d
   return true;
 }
 
-} // namespace
-
-double winding_number(std::span<const SurfaceSample> samples, double area, const Vec3d& p) {
-  // The solid angle of a small piece of area a at distance d along r: a (n . r) / d^3.
-  double sum = 0;
-  for (const SurfaceSample& s : samples) {
-    const Vec3d r = s.position - p;
-    const double squared = glm::dot(r, r) + 1e-30;
-    sum += glm::dot(s.normal, r) / (squared * std::sqrt(squared));
+/// Points around all samples, several times as far away. Without them the samples of a flat side make one facet of the hull, which Qhull
+/// takes minutes for if they are thousands.
+void append_far_points(std::span<const SurfaceSample> samples, std::vector<double>& points) {
+  Box3d box;
+  for (const SurfaceSample& s : samples) box.extend(s.position);
+  const double far = 4 * box.diagonal();
+  for (int i = 0; i < 14; ++i) { // spread by the golden angle, no five of them on one ball
+    const double height = 1 - (2 * i + 1) / 14.0, turn = 2.399963 * i, width = std::sqrt(1 - height * height);
+    const Vec3d p = box.centre() + far * (1 + 0.02 * i) * Vec3d(width * std::cos(turn), height, width * std::sin(turn));
+    points.insert(points.end(), {p.x, p.y, p.z});
   }
-  return sum * area / (4 * k_pi * static_cast<double>(samples.size()));
 }
 
-std::vector<Poles> find_poles(std::span<const SurfaceSample> samples, double area) {
+} // namespace
+
+std::vector<Poles> find_poles(std::span<const SurfaceSample> samples, const TriangleTree& mesh) {
   std::vector<Poles> poles(samples.size());
   if (samples.size() < 5) return poles;
   std::vector<double> points;
   for (const SurfaceSample& s : samples) points.insert(points.end(), {s.position.x, s.position.y, s.position.z});
+  append_far_points(samples, points);
   Qhull qhull;
   if (!qhull.triangulate(points)) return poles;
-  qhull.for_each_tetrahedron(samples.size(), [&](const size_t(&corner)[4]) {
+  struct Below {
+    MedialSphere farthest, farthest_inside;
+  };
+  std::vector<Below> below(samples.size());
+  const auto extend = [](MedialSphere& pole, const MedialSphere& ball) {
+    if (ball.radius > pole.radius) pole = ball;
+  };
+  qhull.for_each_tetrahedron(points.size() / 3, [&](const size_t(&corner)[4]) {
+    const auto at = [&](size_t i) { return Vec3d(points[3 * corner[i]], points[3 * corner[i] + 1], points[3 * corner[i] + 2]); };
     Vec3d centre;
-    if (!circumcentre(samples[corner[0]].position, samples[corner[1]].position, samples[corner[2]].position, samples[corner[3]].position,
-                      centre))
-      return;
+    if (!circumcentre(at(0), at(1), at(2), at(3), centre)) return;
+    const bool is_inside = mesh.winding(centre) > 0.5;
     for (const size_t i : corner) {
+      if (i >= samples.size()) continue;
       const Vec3d to_centre = centre - samples[i].position;
-      const double radius = glm::length(to_centre);
-      MedialSphere& pole = glm::dot(to_centre, samples[i].normal) < 0 ? poles[i].inner : poles[i].outer;
-      if (radius > pole.radius) pole = {centre, radius};
+      const MedialSphere ball{centre, glm::length(to_centre)};
+      const bool is_below = glm::dot(to_centre, samples[i].normal) < 0;
+      if (is_below) extend(below[i].farthest, ball);
+      if (is_below && is_inside) extend(below[i].farthest_inside, ball);
+      if (!is_below && !is_inside) extend(poles[i].outer, ball);
     }
   });
-  for (Poles& p : poles) {
-    if (p.inner.radius > 0 && winding_number(samples, area, p.inner.centre) < 0.5) p.inner = {};
-    if (p.outer.radius > 0 && winding_number(samples, area, p.outer.centre) > 0.5) p.outer = {};
-  }
+  // Where most cells reach through the wall, samples are farther apart than it is thick: what of them is inside must do.
+  const auto is_whole = [](const Below& b) { return b.farthest_inside.radius > 0 && b.farthest_inside.radius == b.farthest.radius; };
+  const auto whole = static_cast<size_t>(std::count_if(below.begin(), below.end(), is_whole));
+  for (size_t i = 0; i < samples.size(); ++i)
+    if (2 * whole < samples.size() || is_whole(below[i])) poles[i].inner = below[i].farthest_inside;
   return poles;
 }
 

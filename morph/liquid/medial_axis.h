@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "field/mesh/triangle_tree.h"
 #include "morph/liquid/surface_samples.h"
 
 namespace kelpie {
@@ -19,15 +20,10 @@ struct Poles {
   MedialSphere inner, outer;
 };
 
-/// For each sample the Voronoi vertices of its cell that lie farthest from it, below and above the surface
-/// (its poles: Amenta, Choi, Kolluri 2001, "The power crust"). Samples denser than the local feature size
-/// put them near the medial axis. The diagram is Qhull's; no voxels. `area` is that of the whole surface; a pole that
-/// turns out to lie on the other side is dropped. Fewer than five samples, or samples in one plane, have no poles.
-std::vector<Poles> find_poles(std::span<const SurfaceSample>, double area);
-
-/// How often the surface winds around `p`: 1 inside, 0 outside, blurred within the samples' distance from the
-/// surface. `area` is the surface's: each sample stands for an equal share of it. (A sign by the nearest sample's normal
-/// is wrong beyond sharp edges.)
-double winding_number(std::span<const SurfaceSample>, double area, const Vec3d& p);
+/// For each sample the Voronoi vertices of its cell that lie farthest from it, below and above the surface (its poles: Amenta, Choi,
+/// Kolluri 2001, "The power crust"), if they are inside and outside `mesh`, by its winding number. Samples denser than the local feature
+/// size put them near the medial axis. Where most cells reach through a wall, as it is thinner than samples are apart, the
+/// farthest vertex inside counts. The diagram is Qhull's; no voxels. Fewer than five samples have no poles.
+std::vector<Poles> find_poles(std::span<const SurfaceSample>, const TriangleTree& mesh);
 
 } // namespace kelpie

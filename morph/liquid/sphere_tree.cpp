@@ -21,8 +21,8 @@ constexpr double k_growth = 2.2;
 /// Finds the medial spheres, adding forming points where a sphere sticks out most.
 class MedialSpheres {
 public:
-  MedialSpheres(std::span<const SurfaceSample> dense, double area, const PointIndex& index, size_t wanted)
-      : dense_(dense), area_(area), index_(index) {
+  MedialSpheres(std::span<const SurfaceSample> dense, const TriangleTree& mesh, const PointIndex& index, size_t wanted)
+      : dense_(dense), mesh_(mesh), index_(index) {
     wanted = std::min(wanted, dense.size());
     is_forming_.assign(dense.size(), 0);
     const size_t first = std::max<size_t>(wanted / 5, std::min<size_t>(wanted, 64));
@@ -48,7 +48,7 @@ private:
     for (size_t i = 0; i < dense_.size(); ++i)
       if (is_forming_[i]) points.push_back(dense_[i]);
     spheres_.clear(), reach_.clear(), touched_.clear();
-    for (const Poles& p : find_poles(points, area_)) {
+    for (const Poles& p : find_poles(points, mesh_)) {
       if (!(p.inner.radius > 0)) continue;
       const size_t q = index_.nearest(p.inner.centre);
       // A centre beyond the surface belongs to a sample without a partner on the other side.
@@ -72,7 +72,7 @@ private:
   }
 
   std::span<const SurfaceSample> dense_;
-  double area_;
+  const TriangleTree& mesh_;
   const PointIndex& index_;
   std::vector<char> is_forming_;
   size_t forming_ = 0;
@@ -185,11 +185,11 @@ unsigned find_parent(const MedialSphere& child, const std::vector<SphereTree::No
 
 } // namespace
 
-SphereTree build_sphere_tree(std::span<const SurfaceSample> dense, double area, size_t spheres, bool may_use_fewer) {
+SphereTree build_sphere_tree(std::span<const SurfaceSample> dense, const TriangleTree& mesh, size_t spheres, bool may_use_fewer) {
   SphereTree tree;
   tree.levels.push_back({{enclosing_sphere(dense), 0}});
   const PointIndex index(dense);
-  const std::vector<MedialSphere> candidates = MedialSpheres(dense, area, index, k_candidates_per_sphere * spheres).result();
+  const std::vector<MedialSphere> candidates = MedialSpheres(dense, mesh, index, k_candidates_per_sphere * spheres).result();
   if (candidates.empty()) {
     tree.levels.push_back({});
     return tree;

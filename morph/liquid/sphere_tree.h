@@ -23,8 +23,8 @@ struct SphereTree {
 
 /// A tree whose finest level has about `spheres` spheres (fewer, where it may and they cover everything closely), each
 /// level about eight times fewer. `dense` is the set P of the paper, spread evenly: some ten times more
-/// points than spheres, of a surface of that area, in units
+/// points than spheres, of the surface of `mesh`, in units
 /// of the shape's diagonal. Empty finest level: the samples enclose nothing.
-SphereTree build_sphere_tree(std::span<const SurfaceSample> dense, double area, size_t spheres, bool may_use_fewer);
+SphereTree build_sphere_tree(std::span<const SurfaceSample> dense, const TriangleTree& mesh, size_t spheres, bool may_use_fewer);
 
 } // namespace kelpie
