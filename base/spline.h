@@ -9,9 +9,10 @@
 namespace kelpie {
 
 enum class SplineKind {
-  b_spline,    ///< stays near its control points, and begins and ends in the first and the last one
-  bezier,      ///< one polynomial for all; the same ends
-  catmull_rom, ///< goes through its control points
+  b_spline,      ///< stays near its control points, and begins and ends in the first and the last one
+  bezier,        ///< one polynomial for all; the same ends
+  cubic_beziers, ///< cubic Bézier curves one after the other: each begins where the one before ends
+  catmull_rom,   ///< goes through its control points
 };
 
 /// A curve and its derivatives by t.
@@ -54,6 +55,20 @@ public:
   /// Of as many degrees as there are points, less one: a B-spline without inner knots.
   static Spline bezier(std::span<const Point> control) { return b_spline(control, static_cast<int>(control.size()) - 1); }
 
+  /// Each piece has four of the points, the last of them in common with the next: as drawing programs write paths. One or two points that
+  /// are left over make a last piece of lower degree.
+  static Spline cubic_beziers(std::span<const Point> control) {
+    const size_t n = control.size();
+    if (n == 1) return b_spline(control);
+    Spline out(3, static_cast<int>((n + 1) / 3));
+    for (size_t i = 0; i + 1 < n; i += 3) {
+      const Spline piece = bezier(control.subspan(i, std::min<size_t>(4, n - i)));
+      std::copy(piece.coefficients_.begin(), piece.coefficients_.end(),
+                out.coefficients_.begin() + static_cast<std::ptrdiff_t>(4 * (i / 3)));
+    }
+    return out;
+  }
+
   /// Cubic and once continuously differentiable: at each point the derivative is that of the chord between its neighbours,
   /// at the ends of the chord to the neighbour. count - 1 pieces.
   static Spline catmull_rom(std::span<const Point> control) {
@@ -73,9 +88,10 @@ public:
   }
 
   static Spline make(SplineKind kind, std::span<const Point> control, int degree = 3) {
-    return kind == SplineKind::bezier        ? bezier(control)
-           : kind == SplineKind::catmull_rom ? catmull_rom(control)
-                                             : b_spline(control, degree);
+    return kind == SplineKind::bezier          ? bezier(control)
+           : kind == SplineKind::cubic_beziers ? cubic_beziers(control)
+           : kind == SplineKind::catmull_rom   ? catmull_rom(control)
+                                               : b_spline(control, degree);
   }
 
   int degree() const { return degree_; }

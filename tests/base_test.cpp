@@ -76,7 +76,7 @@ const std::vector<Vec3d> k_control{{0, 0, 0}, {1, 2, 0}, {3, 1, 1}, {4, -1, 2}, 
 template <class Visit>
 void for_each_spline(Visit&& visit) {
   for (size_t count = 1; count <= k_control.size(); ++count)
-    for (const SplineKind kind : {SplineKind::b_spline, SplineKind::bezier, SplineKind::catmull_rom})
+    for (const SplineKind kind : {SplineKind::b_spline, SplineKind::bezier, SplineKind::cubic_beziers, SplineKind::catmull_rom})
       for (const int degree : {1, 2, 3, 5}) visit(Spline<Vec3d>::make(kind, std::span(k_control).first(count), degree), kind, count);
 }
 
@@ -135,12 +135,25 @@ TEST(Spline, PiecesJoinSmoothly) {
       const double t = double(i) / curve.pieces();
       const SplineJet<Vec3d> before = curve.jet(t - 1e-9), after = curve.jet(t + 1e-9);
       EXPECT_LT(glm::distance(before.value, after.value), 1e-6);
+      if (kind == SplineKind::cubic_beziers) continue; // as smooth as its points say
       EXPECT_LT(glm::distance(before.first, after.first), 1e-4);
       if (kind == SplineKind::b_spline && curve.degree() > 2) {
         EXPECT_LT(glm::distance(before.second, after.second), 1e-3);
       }
     }
   });
+}
+
+TEST(Spline, CubicBeziersArePiecesOfFourPoints) {
+  const Spline<Vec3d> curve = Spline<Vec3d>::cubic_beziers(k_control);
+  ASSERT_EQ(curve.pieces(), 2);
+  for (const size_t piece : {0u, 1u})
+    for (const double s : {0.0, 0.2, 0.7, 1.0}) {
+      const Vec3d* p = &k_control[3 * piece];
+      const double r = 1 - s;
+      const Vec3d expected = p[0] * (r * r * r) + p[1] * (3 * r * r * s) + p[2] * (3 * r * s * s) + p[3] * (s * s * s);
+      EXPECT_LT(glm::distance(curve((double(piece) + s) / 2), expected), 1e-12);
+    }
 }
 
 TEST(Spline, OfNumbers) {

@@ -50,6 +50,8 @@ TEST_F(WrongInput, Scenes) {
                "error: scene.json:2:43: points: a patch has 16 control points, found 15\n");
   expect_scene(field(R"({ "kind": "revolution", "radius": 1, "profile": [[1, 0, 0.1], [1, 1, -0.1]] })"), 65,
                "error: scene.json:2:49: profile: the thickness of point 2 must be >= 0, found -0.1\n");
+  expect_scene(field(R"({ "kind": "revolution", "radius": 1, "curve": "cubic_beziers", "profile": [[1, 0, 0], [1, 1, 0], [2, 1, 0]] })"),
+               65, "error: scene.json:2:75: profile: cubic_beziers have 4 points, or 3 more for each further piece (7, 10, …), found 3\n");
   write("pinched.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 2\n");
   expect_scene(field(R"({ "kind": "subdivision", "radius": 1, "file": "pinched.obj" })"), 65,
                "error: " + path("pinched.obj") + ":4: face 0 has not three different corners or more\n");

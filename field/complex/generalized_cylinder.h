@@ -18,7 +18,8 @@ struct GeneralizedCylinder {
     f(p) = weight * falloff(d(p)^2 / radius^2),   d the Euclidean distance to the solid, 0 inside it
 
 The curve goes through its `points` (catmull_rom), or from the first to the last near the others (b_spline: cubic, its knots uniform and
-clamped; bezier: one polynomial). `radii`, one for each point, follow the same rule, and are never below 0. Points and radii may move.
+clamped; bezier: one polynomial; cubic_beziers: points 1 to 4 make one piece, 4 to 7 the next, as drawing programs write paths).
+`radii`, one for each point, follow the same rule, and are never below 0. Points and radii may move.
 
 For each frame it becomes a union of `cone_sphere`s (of `segment`s where all radii are 0), with steps as long as its detail
 allows: curve and radius are met within `detail`, in scene units, or else within `detail_pixels` pixels of the picture at the

@@ -52,9 +52,12 @@ Box3d Sweep::box(int span) const {
 }
 
 std::optional<ParameterProblem> problem_of_curve(SplineKind kind, std::string_view parameter, size_t count) {
+  if (kind == SplineKind::cubic_beziers && count % 3 != 1)
+    return ParameterProblem{
+        parameter, fmt::format("{}: cubic_beziers have 4 points, or 3 more for each further piece (7, 10, …), found {}", parameter, count)};
   if (kind != SplineKind::bezier || count <= k_most_bezier_points) return {};
-  return ParameterProblem{
-      parameter, fmt::format("{}: a bezier curve has at most {}, found {}; more make a b_spline", parameter, k_most_bezier_points, count)};
+  return ParameterProblem{parameter, fmt::format("{}: a bezier curve has at most {}, found {}; more make a b_spline, or cubic_beziers",
+                                                 parameter, k_most_bezier_points, count)};
 }
 
 } // namespace kelpie

@@ -13,8 +13,10 @@ namespace kelpie {
 
 template <>
 struct EnumNames<SplineKind> {
-  static constexpr std::array<std::pair<std::string_view, SplineKind>, 3> values{
-      {{"catmull_rom", SplineKind::catmull_rom}, {"b_spline", SplineKind::b_spline}, {"bezier", SplineKind::bezier}}};
+  static constexpr std::array<std::pair<std::string_view, SplineKind>, 4> values{{{"catmull_rom", SplineKind::catmull_rom},
+                                                                                  {"b_spline", SplineKind::b_spline},
+                                                                                  {"bezier", SplineKind::bezier},
+                                                                                  {"cubic_beziers", SplineKind::cubic_beziers}}};
 };
 
 /// A place (x, y, z) and a width (w).
