@@ -1,5 +1,7 @@
 #include "cli/ffmpeg.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <csignal>
@@ -99,7 +101,8 @@ private:
 } // namespace
 
 std::string movie_container(const std::string& path) {
-  const std::string ending = std::filesystem::path(path).extension().string();
+  std::string ending = std::filesystem::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (ending == ".mp4") return "mp4";
   if (ending == ".mov") return "mov";
   if (ending == ".mkv") return "matroska";

@@ -85,6 +85,8 @@ TEST_F(PictureCommands, MovieIsTaggedAndReproducible) {
     EXPECT_NE(shown.find(line), std::string::npos) << line << " in\n" << shown;
   EXPECT_EQ(kelpie("movie 'a.%04d.exr' -f 1-5 -o b.mp4").status, 0);
   EXPECT_EQ(run("cmp a.mp4 b.mp4").status, 0);
+  EXPECT_EQ(kelpie("movie 'a.%04d.exr' -f 1-5 -o c.MP4").status, 0);
+  EXPECT_EQ(run("cmp a.mp4 c.MP4").status, 0);
 }
 
 TEST_F(PictureCommands, MovieSaysWhatIsMissing) {

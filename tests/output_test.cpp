@@ -319,10 +319,15 @@ TEST(Frames, AreShownAsTheyAreWritten) {
 
 TEST(FramePatterns, Tokens) {
   const std::tuple<const char*, int, const char*> cases[] = {
-      {"a.####.exr", 7, "a.0007.exr"},      {"a.#.exr", 12, "a.12.exr"},       {"a.%04d.exr", 7, "a.0007.exr"},
-      {"a.%d.exr", 7, "a.7.exr"},           {"a.$F4.exr", 7, "a.0007.exr"},    {"a.$F.exr", 7, "a.7.exr"},
-      {"a.####.exr", 12345, "a.12345.exr"}, {"a.####.exr", -3, "a.-0003.exr"}, {"out/#1/a##.exr", 3, "out/#1/a03.exr"},
-      {"100%%.##.exr", 3, "100%.03.exr"},   {"plain.exr", 3, "plain.exr"},     {"####", 1, "0001"},
+      {"a.####.exr", 7, "a.0007.exr"},         {"a.#.exr", 12, "a.12.exr"},
+      {"a.%04d.exr", 7, "a.0007.exr"},         {"a.%d.exr", 7, "a.7.exr"},
+      {"a.$F4.exr", 7, "a.0007.exr"},          {"a.$F.exr", 7, "a.7.exr"},
+      {"a.####.exr", 12345, "a.12345.exr"},    {"a.####.exr", -3, "a.-0003.exr"},
+      {"out/#1/a##.exr", 3, "out/#1/a03.exr"}, {"100%%.##.exr", 3, "100%.03.exr"},
+      {"plain.exr", 3, "plain.exr"},           {"####", 1, "0001"},
+      {"a.%04d.exr", -3, "a.-003.exr"},        {"a.%4d.exr", 7, "a.0007.exr"},
+      {"a.%-4d.exr", 7, "a.7   .exr"},         {"a.%-4d.exr", -12345, "a.-12345.exr"},
+      {"a.%-d.exr", -3, "a.-3.exr"},           {"a.$F4.exr", -3, "a.-0003.exr"},
   };
   for (const auto& [pattern, frame, file] : cases) EXPECT_EQ(FramePattern(pattern).path(frame), file) << pattern;
 }
@@ -335,10 +340,12 @@ TEST(FramePatterns, WrongOnesAreUsageErrors) {
 }
 
 TEST_F(OutputTest, FramesThatExistAreFound) {
-  for (const char* name :
-       {"a.0001.exr", "a.0010.exr", "a.0003.exr", "a.12345.exr", "a.7.exr", "a.0002.png", ".a.0004.exr.host.1.part", "b.0005.exr"})
+  for (const char* name : {"a.0001.exr", "a.0010.exr", "a.0003.exr", "a.12345.exr", "a.7.exr", "a.0002.png", ".a.0004.exr.host.1.part",
+                           "b.0005.exr", "d.-003.exr", "d.0004.exr", "d.5   .exr"})
     write_file_atomically(path(name), {});
   EXPECT_EQ(FramePattern(path("a.####.exr")).existing_frames(), (std::vector<int>{1, 3, 10, 12345}));
+  EXPECT_EQ(FramePattern(path("d.%04d.exr")).existing_frames(), (std::vector<int>{-3, 4}));
+  EXPECT_EQ(FramePattern(path("d.%-4d.exr")).existing_frames(), std::vector<int>{5});
   EXPECT_EQ(FramePattern(path("c.####.exr")).existing_frames(), std::vector<int>{});
 }
 

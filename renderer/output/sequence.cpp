@@ -122,7 +122,8 @@ FramePattern::FramePattern(const std::string& text) : text_(text) {
     } else if (text.compare(at, 2, "%%") == 0) {
       *part += '%', at += 2;
     } else if (text[at] == '%') {
-      const int digits = number_after(at + 1, end);
+      is_filled_behind_ = text.compare(at + 1, 1, "-") == 0, sign_counts_ = true;
+      const int digits = number_after(at + 1 + is_filled_behind_, end);
       if (end >= text.size() || text[end] != 'd')
         throw Error(ExitStatus::usage, fmt::format("\"{}\": after % comes a number of digits and d, as in %04d", text));
       place(end + 1 - at, digits);
@@ -133,7 +134,8 @@ FramePattern::FramePattern(const std::string& text) : text_(text) {
 
 std::string FramePattern::path(int frame) const {
   if (!is_numbered_) return before_;
-  return fmt::format("{}{:0{}}{}", before_, frame, frame < 0 ? digits_ + 1 : digits_, after_);
+  if (is_filled_behind_) return fmt::format("{}{:<{}}{}", before_, frame, digits_, after_);
+  return fmt::format("{}{:0{}}{}", before_, frame, frame < 0 && !sign_counts_ ? digits_ + 1 : digits_, after_);
 }
 
 std::vector<int> FramePattern::existing_frames() const {
@@ -151,7 +153,7 @@ std::vector<int> FramePattern::existing_frames() const {
     rest.remove_prefix(prefix.size());
     const std::optional<int> frame = take_number(rest);
     // The name must be the one that path() makes: `a.1.exr` is not a frame of a.####.exr.
-    if (frame && rest == after_ && std::filesystem::path(path(*frame)).filename() == name) frames.push_back(*frame);
+    if (frame && std::filesystem::path(path(*frame)).filename() == name) frames.push_back(*frame);
   }
   std::sort(frames.begin(), frames.end());
   return frames;

@@ -13,8 +13,9 @@ std::vector<int> parse_frames(const std::string& ranges);
 /// `1-3,7,10-20x5`: the shortest form that parse_frames() reads back as the same ascending frames.
 std::string format_frames(const std::vector<int>& ascending);
 
-/// A file name with a place for the frame number: `a.####.exr` (as many digits as #), `a.%04d.exr`, or
-/// `a.$F4.exr`; in the name of the file only, folders are as they are. Numbers of more digits get them all.
+/// A file name with a place for the frame number: `a.####.exr` (as many digits as #), `a.$F4.exr`, or `a.%04d.exr`, which is printf's:
+/// a minus sign is one of its four characters, and %-4d is filled with blanks behind the number. In the name of the file only, folders
+/// are as they are. Numbers of more digits get them all.
 class FramePattern {
 public:
   /// Throws Error usage for two places, or a % that is no number.
@@ -30,7 +31,7 @@ public:
 private:
   std::string text_, before_, after_; // before_ and after_ include no part of the number
   int digits_ = 0;
-  bool is_numbered_ = false;
+  bool is_numbered_ = false, sign_counts_ = false, is_filled_behind_ = false;
 };
 
 /// Throws Error usage when several frames would be written to one name.
