@@ -170,7 +170,7 @@ TEST(Cells, PrunedEqualsFullInMotion) {
     if (const auto shape = moving_cells(field, last_threshold, limits, windows)) expect_pruned_equals_full(*shape, compared, precision);
   };
   for (const BlobCloud& cloud : {coincident_cloud(Falloff::quartic), thin_cloud(Falloff::cubic), negative_cloud(Falloff::wyvill)})
-    for (const Moves moves : {Moves::centres, Moves::everything, Moves::some}) look(moving_cloud(cloud, 0.5, moves), 1, {}, 2, 1e-5);
+    for (const CloudMotion moves : {CloudMotion::centres, CloudMotion::everything, CloudMotion::some}) look(moving_cloud(cloud, 0.5, moves), 1, {}, 2, 1e-5);
   EXPECT_GT(compared.in_motion, 50'000u) << "of clouds";
   compared = {};
   for (unsigned trial = 0; trial < 100 && !HasFailure(); ++trial) {
@@ -231,7 +231,7 @@ TEST_F(Tightening, CutsNothingOffClouds) {
 
 TEST_F(Tightening, CutsNothingOffWhatMoves) {
   for (const BlobCloud& cloud : {coincident_cloud(Falloff::quartic), thin_cloud(Falloff::quartic)})
-    for (const Moves moves : {Moves::centres, Moves::some}) look(moving_cells(moving_cloud(cloud, 0.8, moves), 1).value());
+    for (const CloudMotion moves : {CloudMotion::centres, CloudMotion::some}) look(moving_cells(moving_cloud(cloud, 0.8, moves), 1).value());
   for (unsigned trial = 0; trial < 60; ++trial) // parts of them stand
     if (const auto shape = moving_cells(random_moving_tree(trial, 2, MovingTree::with_points), 1.2)) look(*shape);
   EXPECT_GT(cut_in_motion_, points_ / 10);

@@ -123,10 +123,10 @@ double past_line_of_r_union(Random& r) {
 }
 
 /// The same for any join of fields that lie between two lines each.
-double past_lines_of_join(Random& r, TreeStep::Kind kind) {
-  const auto count = kind == TreeStep::Kind::local_blend ? uint32_t(3 + r.below(3)) : 2u; // with its region
+double past_lines_of_join(Random& r, Join join) {
+  const auto count = join == Join::local_blend ? uint32_t(3 + r.below(3)) : 2u; // with its region
   const auto threshold = float(r.log_uniform(0.3, 3));
-  const TreeStep step{kind, 0, count, false, float(r.log_uniform(0.3, 30))};
+  const TreeStep step{TreeStep::Kind::join, 0, count, false, join, float(r.log_uniform(0.3, 30))};
   const double largest = (r.below(2) ? 1.2 : 4) * double(threshold);
   std::vector<Slope> fields(count);
   for (Slope& f : fields) {
@@ -179,25 +179,25 @@ TEST(FieldLines, AnRUnionLiesBelowItsLine) {
   for (int trial = 0; trial < 50'000; ++trial) ASSERT_LT(HWY_STATIC_DISPATCH(past_line_of_r_union)(r), 1e-5) << trial;
 }
 
-struct Join {
+struct NamedJoin {
   const char* name;
-  TreeStep::Kind kind;
+  Join join;
 };
 
-class Joins : public testing::TestWithParam<Join> {};
+class Joins : public testing::TestWithParam<NamedJoin> {};
 
 // Lines above and below the operands make lines above and below what joins them.
 TEST_P(Joins, LieBetweenTheirLines) {
   Random r(1);
-  for (int trial = 0; trial < 30'000; ++trial) ASSERT_LT(HWY_STATIC_DISPATCH(past_lines_of_join)(r, GetParam().kind), 1e-5) << trial;
+  for (int trial = 0; trial < 30'000; ++trial) ASSERT_LT(HWY_STATIC_DISPATCH(past_lines_of_join)(r, GetParam().join), 1e-5) << trial;
 }
 
-using Kind = TreeStep::Kind;
 INSTANTIATE_TEST_SUITE_P(FieldLines, Joins,
-                         testing::Values(Join{"sum", Kind::sum}, Join{"maximum", Kind::maximum}, Join{"minimum", Kind::minimum},
-                                         Join{"difference", Kind::difference}, Join{"r_union", Kind::r_union},
-                                         Join{"r_intersection", Kind::r_intersection}, Join{"r_difference", Kind::r_difference},
-                                         Join{"hyper_blend", Kind::hyper_blend}, Join{"local_blend", Kind::local_blend}),
+                         testing::Values(NamedJoin{"sum", Join::sum}, NamedJoin{"maximum", Join::maximum},
+                                         NamedJoin{"minimum", Join::minimum}, NamedJoin{"difference", Join::difference},
+                                         NamedJoin{"r_union", Join::r_union}, NamedJoin{"r_intersection", Join::r_intersection},
+                                         NamedJoin{"r_difference", Join::r_difference}, NamedJoin{"hyper_blend", Join::hyper_blend},
+                                         NamedJoin{"local_blend", Join::local_blend}),
                          [](const auto& join) { return join.param.name; });
 
 } // namespace

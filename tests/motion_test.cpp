@@ -15,7 +15,7 @@ constexpr int k_rays = 6000;
 TEST(MovingTracer, Clouds) {
   for (const Falloff f : {Falloff::quartic, Falloff::wyvill})
     for (const BlobCloud& cloud : {coincident_cloud(f), thin_cloud(f), negative_cloud(f)})
-      for (const Moves moves : {Moves::centres, Moves::everything, Moves::some})
+      for (const CloudMotion moves : {CloudMotion::centres, CloudMotion::everything, CloudMotion::some})
         for (const double reach : {0.5, 2.0}) {
           SCOPED_TRACE(testing::Message() << "falloff " << int(f) << ", moves " << int(moves) << ", reach " << reach);
           expect_right(judge_moving_rays(moving_cloud(cloud, reach, moves), {1, 1}, k_rays / 10));
@@ -98,7 +98,7 @@ TEST(MovingTracer, AxesStandInTheMiddleOfASlab) {
 
 // A ray's answer does not depend on its packet, to the last bit, whatever the times of the others.
 TEST(MovingTracer, APacketIsNoMoreThanItsRays) {
-  for (const Moves moves : {Moves::centres, Moves::everything}) {
+  for (const CloudMotion moves : {CloudMotion::centres, CloudMotion::everything}) {
     const MovingField field = moving_cloud(coincident_cloud(Falloff::quartic), 3, moves);
     const FrameScene scene = moving_scene(field, {1, 1});
     CellLimits limits;
@@ -193,7 +193,7 @@ TEST(Slabs, AsManyAsTheMotionNeeds) {
 
 /// A cloud of one falloff, of which the centres move.
 FieldProgram travelling_cloud(const BlobCloud& start, double reach) {
-  const MovingField field = moving_cloud(start, reach, Moves::centres);
+  const MovingField field = moving_cloud(start, reach, CloudMotion::centres);
   std::vector<FieldProgram> ends = compile({field.start, field.end}, std::array{1.0, 1.0});
   EXPECT_TRUE(set_in_motion(ends[0], std::move(ends[1])));
   return std::move(ends[0]);
@@ -240,10 +240,10 @@ TEST(Windows, AreNarrowerThanTheSlab) {
 TEST(Windows, OnlyOfTravellingClouds) {
   const auto windows = [](const MovingField& field) { return Tracer(moving_scene(field, {1, 1})).window_count(); };
   const BlobCloud cloud = thin_cloud(Falloff::quartic);
-  EXPECT_EQ(windows(moving_cloud(cloud, 0.4, Moves::centres)), 2u);
-  EXPECT_EQ(windows(moving_cloud(cloud, 0.05, Moves::centres)), 1u);
-  EXPECT_EQ(windows(moving_cloud(cloud, 0, Moves::centres)), 1u);
-  const FrameScene changing = moving_scene(moving_cloud(cloud, 0.4, Moves::everything), {1, 1});
+  EXPECT_EQ(windows(moving_cloud(cloud, 0.4, CloudMotion::centres)), 2u);
+  EXPECT_EQ(windows(moving_cloud(cloud, 0.05, CloudMotion::centres)), 1u);
+  EXPECT_EQ(windows(moving_cloud(cloud, 0, CloudMotion::centres)), 1u);
+  const FrameScene changing = moving_scene(moving_cloud(cloud, 0.4, CloudMotion::everything), {1, 1});
   EXPECT_EQ(Tracer(changing).window_count(), Tracer(changing).slab_count());
 }
 

@@ -12,16 +12,16 @@ struct MovingField {
 };
 
 /// What may move of a cloud's blobs.
-enum class Moves { centres, everything, some };
+enum class CloudMotion { centres, everything, some };
 
-inline MovingField moving_cloud(BlobCloud start, double reach, Moves moves) {
+inline MovingField moving_cloud(BlobCloud start, double reach, CloudMotion moves) {
   Random r(5);
   BlobCloud end = start;
   for (size_t i = 0; i < end.size(); ++i) {
-    if (moves == Moves::some && i % 3) continue;
+    if (moves == CloudMotion::some && i % 3) continue;
     Blob& b = end[i];
     b.centre += Vec3(r.direction() * r.uniform(0, reach * b.radius));
-    if (moves == Moves::everything) b.radius *= float(r.uniform(0.8, 1.2)), b.weight *= float(r.uniform(0.8, 1.2));
+    if (moves == CloudMotion::everything) b.radius *= float(r.uniform(0.8, 1.2)), b.weight *= float(r.uniform(0.8, 1.2));
   }
   return {field_of(start), field_of(end)};
 }

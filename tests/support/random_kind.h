@@ -5,6 +5,7 @@
 #include <random>
 #include <string_view>
 
+#include "colour/colour.h"
 #include "morph/field_node.h"
 
 namespace kelpie {
