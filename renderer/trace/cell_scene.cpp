@@ -5,6 +5,7 @@
 #include <bit>
 #include <deque>
 #include <exception>
+#include <utility>
 
 #include "base/parallel.h"
 #include "renderer/trace/embree_device.h"
@@ -204,10 +205,12 @@ Query packet_query(std::span<const Ray> rays, SolveCounters& counters) {
   return query;
 }
 
-/// Calls trace(scene, valid) for each window of time that some of the rays are in, with those that are.
+/// Calls trace(scene, valid) for each window of time that some of the rays are in, with those that are. Where Embree has no packets as
+/// wide as these (without AVX-512) it does not look at `valid`: to it the other rays end before they begin.
 template <class Trace>
-void for_each_slab(std::span<const Ray> rays, std::span<const RTCScene> scenes, Trace&& trace) {
+void for_each_slab(std::span<const Ray> rays, std::span<const RTCScene> scenes, float* t_far, Trace&& trace) {
   alignas(64) std::array<int, k_packet> valid;
+  std::array<float, k_packet> kept;
   uint32_t left = 0;
   for (size_t i = 0; i < rays.size(); ++i) left |= uint32_t(is_traceable(rays[i])) << i;
   while (left) {
@@ -216,8 +219,11 @@ void for_each_slab(std::span<const Ray> rays, std::span<const RTCScene> scenes, 
       const bool is_in = left >> i & 1 && slab_of(rays[i].time, scenes.size()) == slab;
       valid[i] = is_in ? -1 : 0;
       if (is_in) left &= ~(1u << i);
+      if (!is_in) kept[i] = std::exchange(t_far[i], -1.f);
     }
     trace(scenes[slab], valid.data());
+    for (size_t i = 0; i < k_packet; ++i)
+      if (!valid[i]) t_far[i] = kept[i];
   }
 }
 
@@ -291,7 +297,8 @@ uint32_t CellScene::intersect(std::span<const Ray> rays, SolveCounters& counters
   RTCRayHit16 r;
   fill(rays, r.ray);
   std::fill(std::begin(r.hit.geomID), std::end(r.hit.geomID), RTC_INVALID_GEOMETRY_ID);
-  for_each_slab(rays, state_->scenes, [&](RTCScene scene, const int* valid) { rtcIntersect16(valid, scene, &query.embree, &r); });
+  for_each_slab(rays, state_->scenes, r.ray.tfar,
+                [&](RTCScene scene, const int* valid) { rtcIntersect16(valid, scene, &query.embree, &r); });
   query.finish();
   uint32_t found = 0;
   for (size_t i = 0; i < rays.size(); ++i) {
@@ -307,7 +314,7 @@ uint32_t CellScene::occluded(std::span<const Ray> rays, SolveCounters& counters)
   Query query = packet_query(rays, counters);
   RTCRay16 r;
   fill(rays, r);
-  for_each_slab(rays, state_->scenes, [&](RTCScene scene, const int* valid) { rtcOccluded16(valid, scene, &query.embree, &r); });
+  for_each_slab(rays, state_->scenes, r.tfar, [&](RTCScene scene, const int* valid) { rtcOccluded16(valid, scene, &query.embree, &r); });
   query.finish();
   uint32_t found = 0;
   for (size_t i = 0; i < rays.size(); ++i) found |= uint32_t(r.tfar[i] < 0) << i;
