@@ -173,13 +173,13 @@ TEST(Cells, PrunedEqualsFullInMotion) {
     for (const CloudMotion moves : {CloudMotion::centres, CloudMotion::everything, CloudMotion::some}) look(moving_cloud(cloud, 0.5, moves), 1, {}, 2, 1e-5);
   EXPECT_GT(compared.in_motion, 50'000u) << "of clouds";
   compared = {};
-  for (unsigned trial = 0; trial < 100 && !HasFailure(); ++trial) {
+  for (unsigned trial = 0; trial < 16 && !HasFailure(); ++trial) {
     SCOPED_TRACE(trial);
     look(random_moving_tree(trial, 1 + int(trial % 3), MovingTree::with_points), trial % 2 ? 1 : 1.2, k_small_cells, 1, 1e-5);
     look(random_moving_field(kinds, trial), 1, {}, 1, 1e-3);
   }
-  EXPECT_GT(compared.in_motion, 10'000u) << "of trees";
-  EXPECT_GT(compared.normals, 500u);
+  EXPECT_GT(compared.in_motion, 1000u) << "of trees";
+  EXPECT_GT(compared.normals, 50u);
 }
 
 // What a box is cut back by holds nothing of the surface. (Boxes of cells are cut back already: this goes on with it.)

@@ -11,7 +11,7 @@ namespace kelpie {
 namespace {
 
 /// Each operator over each warp, thrice.
-constexpr int k_default_trials = 200, k_rays_a_tree = 24;
+constexpr int k_default_trials = 120, k_rays_a_tree = 24;
 
 int number_from_environment(const char* name, int otherwise) {
   const char* text = std::getenv(name);
