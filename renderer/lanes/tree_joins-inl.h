@@ -33,7 +33,7 @@ struct RFunctions {
 };
 
 /// The hyper-blend of two fields, the part below 0 counting as 0: m (1 + r^n)^(1/n), m the larger and r the ratio.
-static HWY_NOINLINE V hyper_blend(float exponent, V a, V b) {
+inline HWY_NOINLINE V hyper_blend(float exponent, V a, V b) {
   const V zero = hn::Zero(k_lanes), least = set(std::numeric_limits<float>::min()), m = hn::Max(hn::Max(a, b), zero);
   if (hn::AllTrue(k_lanes, hn::Le(hn::Min(a, b), zero))) return m; // mostly: the fields overlap in a few places only
   const V ratio = hn::Div(hn::Max(hn::Min(a, b), zero), hn::Max(m, least));

@@ -48,6 +48,21 @@ private:
     return box;
   }
 
+  /// The boxes of an operator's operands that are children.
+  template <class Kind>
+  std::vector<Box3d> children_of(const Kind& kind, const Instruction& step) const {
+    const auto operands = std::span(program_.code.operands).subspan(step.first, step.count);
+    std::vector<char> is_child(step.count, true); // so are all of a sum and of a union of pieces, which may have more than the node
+    if constexpr (is_positional<Kind>()) {
+      const std::vector<Operand> all = operands_of(kind);
+      for (size_t i = 0; i < all.size(); ++i) is_child[i] = all[i].role == Role::child;
+    }
+    std::vector<Box3d> boxes;
+    for (size_t i = 0; i < operands.size(); ++i)
+      if (is_child[i]) boxes.push_back(boxes_[operands[i]]);
+    return boxes;
+  }
+
   /// Around a skeleton in its space; around what an operator makes, in the world.
   Box3d around_node(const Instruction& step) const {
     return std::visit(
@@ -62,24 +77,11 @@ private:
             }
             return box;
           } else if constexpr (Operator<K>) {
-            return joined(extent_of<K>(), children_of(a, step));
+            return joined(extent_of<K>(), this->children_of(a, step));
           }
           return {};
         },
         program_.field.nodes[step.node]);
-  }
-
-  /// The boxes of an operator's operands that are children.
-  template <class Kind>
-  std::vector<Box3d> children_of(const Kind& kind, const Instruction& step) const {
-    const auto operands = std::span(program_.code.operands).subspan(step.first, step.count);
-    std::vector<char> is_child(step.count, true); // so are all of a sum and of a union of pieces, which may have more than the node
-    if constexpr (is_positional<Kind>())
-      for_each_operand(kind, [&, i = size_t{0}](const Operand& operand) mutable { is_child[i++] = operand.role == Role::child; });
-    std::vector<Box3d> boxes;
-    for (size_t i = 0; i < operands.size(); ++i)
-      if (is_child[i]) boxes.push_back(boxes_[operands[i]]);
-    return boxes;
   }
 
   static Box3d joined(ExtentOf extent, std::span<const Box3d> children) {
