@@ -4,7 +4,6 @@
 //
 //   axial_cost SCENE.json [frame] [runs]
 #include <algorithm>
-#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <random>
@@ -111,13 +110,11 @@ Cost cost_of(const FrameScene& scene) {
   Diagnostics diagnostics;
   EnvironmentCache cache;
   const std::vector<Light> lights = make_lights(scene, cache, diagnostics);
-  const std::atomic<bool> stop{false};
   const double start = process_cpu_s();
   const Tracer tracer(scene);
   const double built = process_cpu_s();
   const PixelBox all{0, 0, scene.film.resolution.x, scene.film.resolution.y};
-  const IntegrateResult result = integrate(
-      scene, tracer, lights, all, [](double) {}, stop);
+  const IntegrateResult result = integrate(scene, tracer, lights, all, [](double) {});
   return {built - start, process_cpu_s() - built, double(result.rays.camera + result.rays.shadow), result.rays.solve.axis};
 }
 

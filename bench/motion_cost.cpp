@@ -3,7 +3,6 @@
 //
 //   motion_cost [spp] [runs]      prints the medians of interleaved runs
 #include <algorithm>
-#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <random>
@@ -59,12 +58,10 @@ Cost cost_of(const FrameScene& scene) {
   Diagnostics diagnostics;
   EnvironmentCache cache;
   const std::vector<Light> lights = make_lights(scene, cache, diagnostics);
-  const std::atomic<bool> stop{false};
   const double start = process_cpu_s();
   const Tracer tracer(scene);
   const double built = process_cpu_s();
-  const IntegrateResult result = integrate(
-      scene, tracer, lights, {0, 0, scene.film.resolution.x, scene.film.resolution.y}, [](double) {}, stop);
+  const IntegrateResult result = integrate(scene, tracer, lights, {0, 0, scene.film.resolution.x, scene.film.resolution.y}, [](double) {});
   const double rays = double(result.rays.camera + result.rays.shadow);
   return {built - start,
           process_cpu_s() - built,

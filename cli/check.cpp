@@ -1,4 +1,3 @@
-#include <atomic>
 #include <thread>
 
 #include <fmt/format.h>
@@ -30,10 +29,9 @@ void check(const std::string& path, const RenderOptions& options) {
 
   warn_of_missing_surfaces(scene, frames, diagnostics);
   EnvironmentCache environments;
-  const std::atomic<bool> stop{false};
   const std::function<void(double)> silent = [](double) {};
   set_activity("forecasting");
-  const Forecast f = forecast(scene, frames, window, {environments, diagnostics, silent, stop, options.max_memory, nullptr});
+  const Forecast f = forecast(scene, frames, window, {environments, diagnostics, silent, options.max_memory, nullptr});
   print_warnings(diagnostics);
   std::string report = fmt::format("{}: good\n", path);
   report += fmt::format("picture   {} frame{}, {}x{}, {} samples per pixel, {} bounces\n", frames.size(), frames.size() == 1 ? "" : "s",

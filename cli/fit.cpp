@@ -6,6 +6,7 @@
 #include "cli/command.h"
 #include "cli/failure.h"
 #include "cli/fit_options.h"
+#include "cli/number_check.h"
 #include "field/clouds/cloud_file.h"
 #include "morph/liquid/fit_cache.h"
 
@@ -59,7 +60,8 @@ void add_fit_options(CLI::App& command, FitCommandOptions& o) {
           "--weld", o.weld,
           "vertices on open borders that are nearer to each other than this are one [a 10,000th of the mesh's diagonal, or a quarter "
           "of the shortest edge at either]")
-      ->check(CLI::NonNegativeNumber);
+      ->check(number_between(0))
+      ->option_text("LENGTH");
 }
 
 FitResult fit_and_report(const std::string& mesh_path, const FitCommandOptions& options) {

@@ -7,6 +7,7 @@
 #include "cli/command.h"
 #include "cli/failure.h"
 #include "cli/ffmpeg.h"
+#include "cli/number_check.h"
 #include "cli/picture_options.h"
 #include "cli/progress.h"
 #include "renderer/output/sequence.h"
@@ -91,7 +92,7 @@ Quote a pattern, so that the shell leaves its # alone. A frame that is missing i
   command->add_option("-f,--frames", options->frames, "frames of the pattern: 12, 1-96, 1-96x2 [all there are]")->option_text("RANGES");
   command->add_option("-o,--output", options->output, "the movie to write: .mp4, .mov or .mkv")->required()->option_text("OUT.mp4");
   command->add_option("--fps", options->fps, "frames a second [as the first frame's header says]")
-      ->check(CLI::Range(0.1, 1000.0))
+      ->check(number_between(0.1, 1000))
       ->option_text("N");
   command->add_option("--crf", options->crf, "quality: 0 is lossless, 16 looks it, 23 is small [16]")
       ->check(CLI::Range(0, 51))

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "cli/number_check.h"
 #include "colour/spaces.h"
 #include "renderer/output/sequence.h"
 
@@ -18,7 +19,7 @@ void add_picture_options(CLI::App& app, PictureOptions& options) {
          "how light becomes a picture: ACES (soft highlights), sRGB (plain, clips at 1), raw, or a view of your OCIO config [its default]")
       ->option_text("NAME");
   app.add_option("--exposure", options.exposure, "brighter or darker by so many stops: 1 doubles the light, -1 halves it [0]")
-      ->check(CLI::Range(-100.0, 100.0))
+      ->check(number_between(-100, 100))
       ->option_text("STOPS");
   app.add_option("--channel", options.channel,
                  "show this instead of the colours: Z (depth), N (normals), P (positions), albedo, A, cost (evaluations a sample: blue 10, "

@@ -38,8 +38,14 @@ void add_progress_option(CLI::App& app, ProgressMode& mode) {
                                                          {"plain", ProgressMode::plain},
                                                          {"jsonl", ProgressMode::jsonl},
                                                          {"none", ProgressMode::none}};
+  const auto to_number = [](std::string& text) {
+    const auto found = names.find(text);
+    if (found == names.end()) return fmt::format("must be auto, bar, plain, jsonl or none, found {}", text);
+    text = std::to_string(static_cast<int>(found->second));
+    return std::string();
+  };
   app.add_option("--progress", mode, "progress on stderr: auto (a bar on a terminal, lines otherwise), bar, plain, jsonl or none [auto]")
-      ->transform(CLI::CheckedTransformer(names).description(""))
+      ->transform(CLI::Validator(to_number, ""))
       ->option_text("MODE");
 }
 

@@ -55,8 +55,7 @@ public:
       progress_.advance(finished_ + std::min(1.0, before + tile) * 0.999);
     };
     set_activity(fmt::format("rendering frame {}", frame));
-    const std::atomic<bool> stop{false};
-    RenderedFrame rendered = render_frame(scene_, frame, window_, {environments_, diagnostics, progress, stop, max_memory_, &kept_});
+    RenderedFrame rendered = render_frame(scene_, frame, window_, {environments_, diagnostics, progress, max_memory_, &kept_});
     write(rendered, frame, path, key, diagnostics);
     for (const Problem& p : diagnostics.warnings()) progress_.print_line("warning: " + to_string(p));
     progress_.advance(++finished_, fmt::format("wrote {}", path));

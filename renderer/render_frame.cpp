@@ -44,7 +44,7 @@ RenderedFrame render_frame(const Scene& scene, double number, const PixelBox& wi
   int coarsenings = 0;
   const Tracer tracer = build_tracer(frame, context, coarsenings);
   const double cpu_built = process_cpu_s();
-  IntegrateResult pixels = integrate(frame, tracer, lights, window, context.progress, context.stop);
+  IntegrateResult pixels = integrate(frame, tracer, lights, window, context.progress);
   const double cpu_rendered = process_cpu_s();
 
   if (coarsenings > 0)
@@ -56,7 +56,6 @@ RenderedFrame render_frame(const Scene& scene, double number, const PixelBox& wi
   RenderedFrame out;
   out.image = std::move(pixels.image);
   out.camera = frame.camera;
-  out.was_stopped = pixels.was_stopped;
   out.stats = {number,
                std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count(),
                cpu_built - cpu_before,

@@ -20,7 +20,6 @@ struct RenderedFrame {
   FrameImage image;
   FrameStats stats;
   Camera<SampledMode> camera; ///< at this frame
-  bool was_stopped = false;
 };
 
 /// What a frame needs besides the scene.
@@ -28,7 +27,6 @@ struct FrameContext {
   EnvironmentCache& environments; ///< kept from frame to frame
   Diagnostics& diagnostics;       ///< receives warnings
   const std::function<void(double)>& progress;
-  const std::atomic<bool>& stop;
   size_t max_memory = 0;      ///< what building may take, bytes; 0: as much as it takes
   KeptScenes* kept = nullptr; ///< kept from frame to frame
 };

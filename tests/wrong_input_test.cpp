@@ -129,6 +129,15 @@ TEST_F(WrongInput, OfTheMorphIsSaidBeforeTheFit) {
          "error: --res 5: expected WIDTHxHEIGHT (up to 65536) or a percentage, as in 1280x720 or 50%\n");
 }
 
+TEST_F(WrongInput, NumbersAndNamesOfOptionsAreChecked) {
+  for (const std::string value : {"nan", "inf", "-1", "wide"})
+    for (const std::string command : {"fit a.obj -o a.ply", "liquid a.obj b.obj -o a.exr"})
+      expect(command + " --weld " + value, 2, "error: --weld: must be a number >= 0, found " + value + "\n");
+  expect("view a.exr -o a.png --exposure nan", 2, "error: --exposure: must be a number from -100 to 100, found nan\n");
+  expect("movie a.exr -o a.mp4 --fps 0", 2, "error: --fps: must be a number from 0.1 to 1000, found 0\n");
+  expect("render a.json --progress=loud", 2, "error: --progress: must be auto, bar, plain, jsonl or none, found loud\n");
+}
+
 // A mesh that can be mended is used, with a warning that says what was done.
 TEST_F(WrongInput, AMeshThatCanBeMendedIsUsed) {
   std::string inward = k_tetrahedron;

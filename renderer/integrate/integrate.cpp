@@ -288,17 +288,15 @@ private:
 } // namespace
 
 IntegrateResult integrate(const FrameScene& frame, const Tracer& tracer, const std::vector<Light>& lights, const PixelBox& window,
-                          const std::function<void(double)>& progress, const std::atomic<bool>& stop) {
+                          const std::function<void(double)>& progress) {
   IntegrateResult result;
   result.image = FrameImage(frame.film.resolution, window);
   FrameIntegrator integrator(frame, tracer, lights, window, result);
   const int columns = (window.width() + k_tile - 1) / k_tile, rows = (window.height() + k_tile - 1) / k_tile;
   parallel_for(0, columns * rows, [&](int tile) {
-    if (stop) return;
     integrator.tile(window.x0 + tile % columns * k_tile, window.y0 + tile / columns * k_tile);
     progress(1.0 / (columns * rows));
   });
-  result.was_stopped = stop;
   return result;
 }
 

@@ -1,7 +1,6 @@
 // A frame's pixels.
 #pragma once
 
-#include <atomic>
 #include <functional>
 
 #include "renderer/film/frame_image.h"
@@ -14,12 +13,11 @@ struct IntegrateResult {
   RayCounters rays;
   uint64_t nonfinite = 0;        ///< samples that were NaN or infinite, counted as black
   Vec2i first_nonfinite{-1, -1}; ///< the pixel of one of them
-  bool was_stopped = false;      ///< `stop` was set: the image is not whole
 };
 
 /// Renders the pixels of `window` in the current TBB arena. A pixel depends on the scene, its place, the
 /// frame and nothing else. `progress` is called with each finished tile's share of the frame, by any thread.
 IntegrateResult integrate(const FrameScene& frame, const Tracer& tracer, const std::vector<Light>& lights, const PixelBox& window,
-                          const std::function<void(double)>& progress, const std::atomic<bool>& stop);
+                          const std::function<void(double)>& progress);
 
 } // namespace kelpie
