@@ -15,6 +15,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -30,7 +31,8 @@
 
 namespace kelpie {
 
-struct FieldNode; // where all lists of field kinds meet: morph/field_node.h
+struct FieldNode;    // where all lists of field kinds meet: morph/field_node.h
+struct MaterialNode; // and those of materials: materials/material.h
 
 /// A file that the scene names. `path` is as written; `resolved` is filled by the reader.
 struct AssetPath {
@@ -55,10 +57,20 @@ struct AnimatedMode {
   using Child = std::shared_ptr<FieldNode>;
   using Children = std::vector<Child>;
   using Reference = PartReference;
+  using Material = std::shared_ptr<MaterialNode>;
+};
+
+/// One of the materials of a moment (materials/material.h), by its place in their list; or none.
+struct MaterialIndex {
+  static constexpr uint32_t k_none = ~uint32_t{0};
+  uint32_t index = k_none;
+
+  bool is_set() const { return index != k_none; }
+  friend bool operator==(const MaterialIndex&, const MaterialIndex&) = default;
 };
 
 /// At one moment: numbers are numbers, children and references are indices into the sampled field's node array (no other parameter
-/// is unsigned), and of files there is what was in them only: nodes are many, and small.
+/// is unsigned), materials are indices too, and of files there is what was in them only: nodes are many, and small.
 struct SampledMode {
   template <class T>
   using Value = T;
@@ -68,6 +80,7 @@ struct SampledMode {
   using Child = unsigned;
   using Children = std::vector<Child>;
   using Reference = unsigned;
+  using Material = MaterialIndex;
 };
 
 /// A parameter that may be animated.
@@ -109,8 +122,8 @@ struct ParameterRules {
 };
 
 /// One row of a kind's table. `T` is the member's type: Value<Mode, float|Vec3|Colour>, int, double, bool,
-/// std::string, Mode::File, Vec2i, an enumeration with EnumNames, Mode::Child, Mode::Children, Mode::Reference, the variant of
-/// a KindList, another struct with a table, or a std::vector or std::optional of such, or a std::map by name.
+/// std::string, Mode::File, Vec2i, an enumeration with EnumNames, Mode::Child, Mode::Children, Mode::Reference, Mode::Material, the
+/// variant of a KindList, another struct with a table, or a std::vector or std::optional of such, or a std::map by name.
 template <class Owner, class T>
 struct Parameter : ParameterRules {
   T Owner::*member;

@@ -58,6 +58,10 @@ template <class T>
 concept IsEdge =
     std::is_same_v<T, AnimatedMode::Child> || std::is_same_v<T, AnimatedMode::Reference> || std::is_same_v<T, SampledMode::Child>;
 
+/// Where a tree of materials goes on.
+template <class T>
+concept IsMaterialEdge = std::is_same_v<T, AnimatedMode::Material> || std::is_same_v<T, SampledMode::Material>;
+
 template <class Visit, class First, class... Others>
 void for_each_value(Visit&& visit, First& first, Others&... others);
 
