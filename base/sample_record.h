@@ -8,7 +8,8 @@ namespace kelpie {
 namespace detail {
 struct RecordSampler {
   double frame;
-  const unsigned* node; ///< what the next edge becomes
+  const unsigned* node;          ///< what the next edge becomes
+  const MaterialIndex* material; ///< what the next material becomes
 
   template <class From, class To>
   void value(const From& from, To& to) {
@@ -16,6 +17,8 @@ struct RecordSampler {
       to = from.at(frame);
     } else if constexpr (IsEdge<From>) {
       to = *node++;
+    } else if constexpr (IsMaterialEdge<From>) {
+      to = *material++;
     } else if constexpr (std::is_same_v<To, SampledMode::File>) {
       // What was in it is an asset.
     } else if constexpr (std::is_same_v<From, To>) {
@@ -39,11 +42,13 @@ struct RecordSampler {
 };
 } // namespace detail
 
-/// A record as it is at `frame`. `nodes` are what its edges become, in the order of for_each_edge.
+/// A record as it is at `frame`. `nodes` are what its edges become, in the order of for_each_edge, and `materials` what those become
+/// that it names, in the order of for_each_value.
 template <template <class> class Kind>
-Kind<SampledMode> sample_record(const Kind<AnimatedMode>& animated, double frame, const unsigned* nodes = nullptr) {
+Kind<SampledMode> sample_record(const Kind<AnimatedMode>& animated, double frame, const unsigned* nodes = nullptr,
+                                const MaterialIndex* materials = nullptr) {
   Kind<SampledMode> sampled;
-  detail::RecordSampler{frame, nodes}.record(animated, sampled);
+  detail::RecordSampler{frame, nodes, materials}.record(animated, sampled);
   if constexpr (HasAssets<Kind<AnimatedMode>>) { // shared, not copied
     const auto share = [&]<size_t... I>(std::index_sequence<I...>) {
       ((sampled.*std::get<I>(Kind<SampledMode>::assets()) = animated.*std::get<I>(Kind<AnimatedMode>::assets())), ...);

@@ -137,9 +137,10 @@ concept ComplexPrimitive = requires(const K k) {
 };
 /// Joins the values of its operands (field/operators/operator.h).
 template <class K>
-concept Operator = requires(const K k, std::span<const double> f, std::span<const Interval> i) {
+concept Operator = requires(const K k, std::span<const double> f, std::span<const Interval> i, std::span<double> shares) {
   k.combine(f, 1.0, Demand::value);
   k.combine(i, 1.0, Demand::value);
+  k.shares(f, 1.0, shares);
 };
 /// Moves the space of its child in any other way: both directions, for every number type, and a box around the image of a
 /// box.

@@ -7,6 +7,7 @@
 #include "base/kind.h"
 #include "colour/colour.h"
 #include "materials/bsdf.h"
+#include "materials/openpbr.h"
 
 namespace kelpie {
 
@@ -45,6 +46,11 @@ struct Matte {
   static constexpr auto parameters() { return std::tuple{parameter("colour", &Matte::colour, "albedo").at_least(0).at_most(1)}; }
 
   // Sampled:
+  SurfaceParameters surface() const {
+    SurfaceParameters s;
+    s.base_color = colour, s.specular_weight = 0;
+    return s;
+  }
   MatteBsdf bsdf() const { return MatteBsdf(colour.rgb); }
 };
 

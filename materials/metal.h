@@ -4,6 +4,7 @@
 #include "colour/colour.h"
 #include "materials/bsdf.h"
 #include "materials/ggx.h"
+#include "materials/openpbr.h"
 
 namespace kelpie {
 
@@ -73,6 +74,11 @@ The default is polished chrome; `"colour": [1.0, 0.77, 0.34]` is gold.)";
   }
 
   // Sampled:
+  SurfaceParameters surface() const {
+    SurfaceParameters s;
+    s.base_color = colour, s.base_metalness = 1, s.specular_roughness = roughness;
+    return s;
+  }
   MetalBsdf bsdf() const { return {colour.rgb, roughness * roughness}; }
 };
 

@@ -6,6 +6,6 @@
 
 namespace kelpie {
 
-using SurfaceKinds = KindList<Matte, Metal>;
+using SurfaceKinds = KindList<Matte, Metal, OpenPbr>;
 
 } // namespace kelpie

@@ -14,6 +14,8 @@ using FieldKinds = Concat<FieldFolderKinds, MorphFolderKinds>;
 struct FieldNode {
   FieldKinds::Variant<AnimatedMode> kind;
   SourcePosition where;
+  /// What it and all below it is made of, but for what has a material of its own; null: what is above it says so.
+  AnimatedMode::Material material;
 };
 
 using FieldPtr = AnimatedMode::Child;
@@ -22,6 +24,8 @@ using FieldPtr = AnimatedMode::Child;
 /// were sampled from. Instances of one part in one time share its nodes.
 struct SampledField {
   std::vector<FieldKinds::Variant<SampledMode>> nodes;
+  /// Of each node what it is made of, if it says so; empty where none does.
+  std::vector<MaterialIndex> materials;
   /// As many nodes stand behind the root: what complex primitives were expanded to (renderer/program/expand.h).
   size_t piece_count = 0;
   /// Where there are pieces, the node of the union that stands above those of each primitive.

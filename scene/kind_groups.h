@@ -40,7 +40,8 @@ inline constexpr std::tuple k_groups{
     RecordGroup<Scene, Frames, Camera<AnimatedMode>, Film<AnimatedMode>, Shape, Library>{"the scene"},
     KindGroup<FieldKinds>{"field", "fields"},
     RecordGroup<AxialAxis<AnimatedMode>, AxialFrame<AnimatedMode>>{"parts of fields"},
-    KindGroup<SurfaceKinds>{"surface", "surfaces"},
+    RecordGroup<Stop<AnimatedMode>>{"parts of materials"},
+    KindGroup<MaterialKinds>{"material", "materials"},
     KindGroup<GeometryKinds>{"geometry", "geometry"},
     KindGroup<LightKinds>{"light", "lights"},
 };

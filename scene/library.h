@@ -7,7 +7,7 @@ namespace kelpie {
 
 struct Library {
   static constexpr std::string_view k_name = "library";
-  static constexpr std::string_view k_doc = R"(A file of surfaces and parts, for scenes to `include`.
+  static constexpr std::string_view k_doc = R"(A file of materials and parts, for scenes to `include`.
 
     { "kelpie": 1, "parts": { "drop": { "kind": "point", "centre": [0, 0, 0], "radius": 1 } } }
 
@@ -20,7 +20,7 @@ For an editor: `"$schema": "schema.json#/$defs/library"`, with what `kelpie sche
   std::string schema;
   std::optional<double> units;
   std::vector<std::string> include;
-  decltype(Scene::surfaces) surfaces;
+  decltype(Scene::materials) materials;
   decltype(Scene::parts) parts;
 
   static constexpr auto parameters() {
@@ -29,7 +29,7 @@ For an editor: `"$schema": "schema.json#/$defs/library"`, with what `kelpie sche
         parameter("$schema", &Library::schema, "where editors find the JSON schema; not used otherwise"),
         parameter("units", &Library::units, "metres per unit: where it is said, scenes that include the file must have the same").above(0),
         parameter("include", &Library::include, "further libraries"),
-        parameter("surfaces", &Library::surfaces, "surfaces by name, for shapes"),
+        parameter("materials", &Library::materials, "materials by name, for shapes and fields"),
         parameter("parts", &Library::parts, "fields by name, for instances"),
     };
   }

@@ -90,7 +90,8 @@ public:
     limit_ = limit;
     for (const size_t i : order_) parts_[i].height = height(*parts_[i].field, 1);
     for (const Shape& shape : scene_.shapes)
-      if (shape.field) height(*shape.field, 1);
+      for (const FieldPtr& tree : {shape.field, shape.texture})
+        if (tree) height(*tree, 1);
     return !is_too_deep_;
   }
 
@@ -191,10 +192,10 @@ void check_size(const Scene& scene, ProblemList& problems, const PartLimits& lim
   };
   double total = 0;
   for (const Shape& shape : scene.shapes) {
-    if (!shape.field) continue;
-    total += counter(*shape.field, visit);
+    for (const FieldPtr& tree : {shape.field, shape.texture})
+      if (tree) total += counter(*tree, visit);
     if (total > limits.elements)
-      return problems.add(shape.field->where,
+      return problems.add((shape.field ? shape.field : shape.texture)->where,
                           fmt::format("with this field the scene has {:.3g} elements, more than {}", total, limits.elements));
   }
 }

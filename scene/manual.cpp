@@ -62,6 +62,7 @@ Page page_of(std::string_view group, bool is_kind) {
     is_animated |= IsAnimated<MemberOf<decltype(row)>>;
   });
   text += fmt::format("\nAt least: {}\n", minimal_json<T>(is_kind));
+  if (may_have_material<T>()) text += "It may have a `material` of its own: `kelpie kinds material`.\n";
   if (is_animated) text += "What may be animated is a constant or a curve: `kelpie kinds keys`.\n";
   return {group, T::k_name, T::k_doc, text};
 }
@@ -83,6 +84,12 @@ std::string_view field_group() {
   return HasAssets<K> ? "fields: clouds" : "fields: skeletons";
 }
 
+/// Materials, too.
+template <template <class> class Kind>
+std::string_view material_group() {
+  return Pattern<Kind<SampledMode>> ? "patterns" : "surfaces";
+}
+
 constexpr std::string_view k_keys_doc = R"(A value that changes over time.
 
     { "keys": [[1, 0], [24, 1.5]], "interpolation": "linear" }
@@ -91,6 +98,21 @@ Each key is [frame, value]; frames ascend and need not be whole. Before the firs
 one the value stays. `interpolation`: `linear` (the default), `step` (the value holds until the next key) or
 `hermite` (smooth: derivatives per frame follow the value, as in [1, 0, 0.5]; up to 4 of them).
 Source: Barbier, Galin, Akkouche (Hermite-Ferguson interpolation); methods.md section 2.)";
+
+constexpr std::string_view k_material_doc = R"(What things are made of: a surface, or a pattern that ranges over materials.
+
+    { "kind": "metal", "colour": [1, 0.77, 0.34] }        a surface
+    { "kind": "marble", "stops": [{ "at": 0, "material": "gold" }, …] }    a pattern
+    "gold"                                                one of the scene's `materials`
+
+A shape has a `surface`. Any node of its field may have a `material`, which counts for all below it that have none of their own.
+Where several meet they are mixed as their potentials f are (all at least 0):
+    blend, blobs    (f_A A + f_B B) / (f_A + f_B)            hyper_blend    the same with f^n
+    union           that of the largest f                    intersection   that of the smallest
+    difference      that of the smallest of f_A, 2T - f_B    local_blend    f_R blend + (1 - f_R) union
+A shape may also lie in a `texture`, another field with materials: where that is above 0 it counts. So does, first found: the
+texture, the shape's own field, `surface`. A pattern lives in the space of the node that has it: warps and motion carry it along.
+Source: Barbier, Galin, Akkouche, section 4; methods.md section 2.)";
 
 constexpr std::string_view k_colour_doc = R"(A colour, in one of three forms.
 
@@ -104,11 +126,16 @@ std::vector<Page> all_pages() {
   for_each_group([&]<class Group>(const Group& group) {
     if constexpr (std::is_same_v<Group, KindGroup<FieldKinds>>)
       FieldKinds::for_each([&]<template <class> class Kind>() { pages.push_back(page_of<Kind<AnimatedMode>>(field_group<Kind>(), true)); });
+    else if constexpr (std::is_same_v<Group, KindGroup<MaterialKinds>>)
+      MaterialKinds::for_each([&]<template <class> class Kind>() {
+        pages.push_back(page_of<Kind<AnimatedMode>>(material_group<Kind>(), true));
+      });
     else
       group.for_each([&]<class T>() { pages.push_back(page_of<T>(group.heading, Group::k_is_kinds)); });
   });
   pages.push_back({"values", "keys", k_keys_doc, {}});
   pages.push_back({"values", "colour", k_colour_doc, {}});
+  pages.push_back({"values", "material", k_material_doc, {}});
   return pages;
 }
 

@@ -20,6 +20,9 @@ inline std::string json_text(const Vec2i& v) { return fmt::format("[{}, {}]", v.
 inline std::string json_text(const Vec3& v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); }
 inline std::string json_text(const Colour& v) { return json_text(v.rgb); }
 inline std::string json_text(const FieldPtr&) { return {}; }
+inline std::string json_text(const MaterialPtr& v) {
+  return v ? std::visit([](const auto& kind) { return fmt::format("{{ \"kind\": \"{}\" }}", kind.k_name); }, v->kind) : "";
+}
 inline std::string json_text(const Background& v) {
   if (v.kind == Background::Kind::colour) return json_text(v.colour);
   return v.kind == Background::Kind::environment ? "\"environment\"" : "\"transparent\"";
@@ -80,6 +83,8 @@ std::string type_text() {
     return std::string(T::k_name);
   else if constexpr (std::is_same_v<T, FieldPtr>)
     return std::string(k_group_name<FieldKinds>);
+  else if constexpr (std::is_same_v<T, MaterialPtr>)
+    return std::string(k_group_name<MaterialKinds>);
   else if constexpr (std::is_same_v<T, bool>)
     return "true or false";
   else if constexpr (std::is_same_v<T, int>)
@@ -123,6 +128,8 @@ template <class T>
 std::string plausible_json(const ParameterRules& rules, const T& value) {
   if constexpr (std::is_same_v<T, FieldPtr>)
     return minimal_json<typename std::variant_alternative_t<0, FieldKinds::Variant<AnimatedMode>>>(true);
+  else if constexpr (std::is_same_v<T, MaterialPtr>)
+    return minimal_json<typename std::variant_alternative_t<0, MaterialKinds::Variant<AnimatedMode>>>(true);
   else if constexpr (std::is_same_v<T, AssetPath> || std::is_same_v<T, PartReference>)
     return json_text(std::string(rules.example));
   else if constexpr (std::is_same_v<T, std::string>)

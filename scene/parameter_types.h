@@ -27,6 +27,12 @@ struct KindsTrait<std::variant<Kinds<AnimatedMode>...>> : std::true_type {
 template <class V>
 concept IsKindVariant = KindsTrait<V>::value;
 
+/// Whether what has this table is a node of a field, which may have a material.
+template <Record T>
+constexpr bool may_have_material() {
+  return std::is_constructible_v<FieldKinds::Variant<AnimatedMode>, T>;
+}
+
 /// Calls `visit(row)` for each row of a table, in order.
 template <Record T, class Visitor>
 void for_each_parameter(Visitor&& visit) {

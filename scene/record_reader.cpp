@@ -2,6 +2,21 @@
 
 namespace kelpie {
 
+namespace {
+
+constexpr ParameterRules k_material_of_node{"material", {}}, k_named_material{"materials", {}};
+
+/// A scene cannot ask for more at every point of a surface.
+constexpr int k_most_materials_deep = 32, k_most_materials_in_one = 1000;
+
+Stop<AnimatedMode> stop_of(const PlainStop& plain) {
+  OpenPbr<AnimatedMode> surface;
+  surface.base_color = Colour{Vec3(plain.red, plain.green, plain.blue)}, surface.specular_roughness = plain.roughness;
+  return {plain.at, make_material<OpenPbr>(surface)};
+}
+
+} // namespace
+
 std::string unknown_name(std::string_view what, std::string_view name, std::span<const std::string_view> known) {
   const std::string hint = known.empty() ? fmt::format(": the scene has no {}s", what) : suggestion(name, known);
   return fmt::format("unknown {} {}{}", what, in_quotes(name), hint);
@@ -10,22 +25,78 @@ std::string unknown_name(std::string_view what, std::string_view name, std::span
 bool RecordReader::read(FieldPtr& out, const JsonValue& v, const ParameterRules& rules) {
   auto node = std::make_shared<FieldNode>();
   node->where = where(v);
-  const bool is_good = read(node->kind, v, rules);
+  bool is_good = read(node->kind, v, rules);
+  if (const JsonValue* material = v.find("material")) is_good &= read(node->material, *material, k_material_of_node);
   nodes_.push_back({node, &v});
   out = std::move(node);
   return is_good;
 }
 
-bool RecordReader::read_named(SurfaceKinds::Variant<AnimatedMode>& out, const JsonValue& v) {
-  const std::string& name = *v.string();
-  if (surfaces_ && surfaces_->count(name)) {
-    out = surfaces_->at(name);
-    return true;
+bool RecordReader::read(MaterialPtr& out, const JsonValue& v, const ParameterRules& rules) {
+  return v.string() ? read_material_name(out, v) : read_new_material(out, v, rules);
+}
+
+/// A pattern without stops has those of its kind; others ascend, at least at all their keys.
+template <class Kind>
+bool RecordReader::complete_stops(Kind& kind, const JsonValue& v) {
+  if constexpr (requires { kind.stops; }) {
+    if (kind.stops.empty()) {
+      for (const PlainStop& plain : Kind::k_default_stops) kind.stops.push_back(stop_of(plain));
+      return true;
+    }
+    std::set<double> frames{0};
+    for (const Stop<AnimatedMode>& stop : kind.stops)
+      for (const auto& key : stop.at.keys()) frames.insert(key.frame);
+    const auto are_in_order = [&](double frame) {
+      return std::is_sorted(kind.stops.begin(), kind.stops.end(),
+                            [&](const auto& a, const auto& b) { return a.at.at(frame) < b.at.at(frame); });
+    };
+    if (!std::all_of(frames.begin(), frames.end(), are_in_order)) return fail(*v.find("stops"), "stops must ascend");
   }
+  return true;
+}
+
+bool RecordReader::read_new_material(MaterialPtr& out, const JsonValue& v, const ParameterRules& rules) {
+  auto node = std::make_shared<MaterialNode>();
+  node->where = where(v);
+  if (!read(node->kind, v, rules)) return false;
+  if (!std::visit([&](auto& kind) { return complete_stops(kind, v); }, node->kind)) return false;
+  const auto count_below = [&]<class T>(const ParameterRules&, const T& value) {
+    if constexpr (IsMaterialEdge<T>) node->depth = std::max(node->depth, value->depth + 1), node->count += value->count;
+  };
+  std::visit([&](auto& kind) { for_each_value(count_below, kind); }, node->kind);
+  if (node->depth > k_most_materials_deep) return fail(v, fmt::format("more than {} materials in one another", k_most_materials_deep));
+  if (node->count > k_most_materials_in_one) return fail(v, fmt::format("more than {} materials in one", k_most_materials_in_one));
+  out = std::move(node);
+  return true;
+}
+
+MaterialPtr RecordReader::named_material(const std::string& name, const JsonValue& v) {
+  const auto [known, is_new] = named_.try_emplace(&v);
+  if (!is_new) {
+    if (!known->second && being_read_.count(&v)) fail(v, fmt::format("material {} is made of itself", in_quotes(name)));
+    return known->second;
+  }
+  if (being_read_.size() >= size_t(k_most_materials_deep)) {
+    fail(v, fmt::format("more than {} materials in one another", k_most_materials_deep));
+    return nullptr;
+  }
+  being_read_.insert(&v);
+  MaterialPtr material;
+  read(material, v, k_named_material);
+  being_read_.erase(&v);
+  return named_[&v] = material;
+}
+
+bool RecordReader::read_material_name(MaterialPtr& out, const JsonValue& v) {
+  const std::string& name = *v.string();
   std::vector<std::string_view> known;
-  if (surfaces_)
-    for (const auto& entry : *surfaces_) known.push_back(entry.first);
-  return document().is_complete && fail(v, unknown_name("surface", name, known));
+  if (const JsonValue* materials = document().root.find("materials"); materials && materials->object())
+    for (const JsonMember& m : *materials->object()) {
+      if (m.key == name) return bool(out = named_material(name, m.value));
+      known.push_back(m.key);
+    }
+  return document().is_complete && fail(v, unknown_name("material", name, known));
 }
 
 bool RecordReader::check_keys(const JsonValue& v, std::string_view owner, std::span<const std::string_view> known) {

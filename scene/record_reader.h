@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include "scene/value_reader.h"
 
@@ -13,7 +15,7 @@ struct ReadNode {
   const JsonValue* source;
 };
 
-/// Says that the scene has no such part or surface, and which it has.
+/// Says that the scene has no such part or material, and which it has.
 std::string unknown_name(std::string_view what, std::string_view name, std::span<const std::string_view> known);
 
 class RecordReader : public ValueReader {
@@ -37,8 +39,6 @@ public:
   template <IsKindVariant V>
   bool read(V& out, const JsonValue& v, const ParameterRules& rules) {
     using List = typename KindsTrait<V>::List;
-    if constexpr (std::is_same_v<List, SurfaceKinds>)
-      if (v.string() && !rules.library.empty()) return read_named(out, v);
     const std::vector<std::string_view> known = kind_names<List>();
     const std::string* name = read_kind_name(v, rules.name, k_group_name<List>, known);
     if (!name) return false;
@@ -53,6 +53,8 @@ public:
   }
 
   bool read(FieldPtr& out, const JsonValue&, const ParameterRules&);
+  /// An object, or the name of one of the scene's materials or of a preset.
+  bool read(MaterialPtr& out, const JsonValue&, const ParameterRules&);
 
   template <IsOptional T>
   bool read(T& out, const JsonValue& v, const ParameterRules& rules) {
@@ -90,10 +92,11 @@ public:
     bool is_good = true;
     for (const JsonMember& m : *v.object()) {
       if (m.key.empty()) is_good = fail(document().where(m.key_at), fmt::format("{}: a name may not be empty", rules.name));
-      is_good &= read(out[m.key], m.value, rules);
+      if constexpr (std::is_same_v<typename MapTrait<T>::Value, MaterialPtr>)
+        is_good &= bool(out[m.key] = named_material(m.key, m.value));
+      else
+        is_good &= read(out[m.key], m.value, rules);
     }
-    if constexpr (std::is_same_v<T, Surfaces>)
-      if (!surfaces_) surfaces_ = &out;
     return is_good;
   }
 
@@ -101,13 +104,12 @@ public:
   const std::vector<ReadNode>& nodes() const { return nodes_; }
 
 private:
-  using Surfaces = decltype(Scene::surfaces);
-
   /// In the order of the table, whatever that of the text.
   template <Record T>
   bool read_record(T& out, const JsonValue& v, std::string_view owner, bool is_kind) {
     bool is_good = true;
     size_t known = is_kind && v.find("kind");
+    if (may_have_material<T>() && v.find("material")) ++known; // read with the node
     for_each_parameter<T>([&](const auto& row) {
       for (const JsonMember& m : *v.object()) {
         if (m.key != row.name) continue;
@@ -132,19 +134,26 @@ private:
   bool check_keys(const JsonValue& v, std::string_view owner, bool is_kind) {
     std::vector<std::string_view> known;
     if (is_kind) known.push_back("kind");
+    if (may_have_material<T>()) known.push_back("material");
     for_each_parameter<T>([&](const auto& row) { known.push_back(row.name); });
     return check_keys(v, owner, known);
   }
 
   bool check_keys(const JsonValue&, std::string_view owner, std::span<const std::string_view> known);
-  bool read_named(SurfaceKinds::Variant<AnimatedMode>& out, const JsonValue&);
+  /// The material of that name, read when it is first asked for; null where it cannot be used, which has been reported.
+  MaterialPtr named_material(const std::string& name, const JsonValue&);
+  bool read_material_name(MaterialPtr& out, const JsonValue&);
+  bool read_new_material(MaterialPtr& out, const JsonValue&, const ParameterRules&);
+  template <class Kind>
+  bool complete_stops(Kind&, const JsonValue&);
   bool check_row(const JsonValue& parent, const JsonMember&, const ParameterRules&);
   bool check_presence(const JsonValue&, std::string_view owner, const ParameterRules&);
   const std::string* read_kind_name(const JsonValue&, std::string_view parameter, std::string_view group,
                                     std::span<const std::string_view> known);
 
   std::vector<ReadNode> nodes_;
-  const Surfaces* surfaces_ = nullptr; ///< the scene's, once they are read
+  std::map<const JsonValue*, MaterialPtr> named_; ///< materials that have been asked for by name; null: it cannot be used
+  std::set<const JsonValue*> being_read_;         ///< of these
 };
 
 } // namespace kelpie

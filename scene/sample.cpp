@@ -1,4 +1,5 @@
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -13,16 +14,34 @@ namespace {
 /// What stands for a frame where the shutter is closed: long enough that float numbers tell its ends apart.
 constexpr double k_moment = 1.0 / 256;
 
-SampledField sample_field(const FieldNode& root, double frame) {
-  SampledField field;
-  // What is shared does not depend on the frame, so all moments have one structure.
-  FieldFold<unsigned> fold(PartsShared::in_one_time);
-  fold(root, [&](const FieldNode&, const auto& kind, const TimeMap& time, std::span<const unsigned> nodes) {
-    field.nodes.emplace_back(sample_record(kind, time.at(frame), nodes.data()));
-    return static_cast<unsigned>(field.nodes.size() - 1);
-  });
-  return field;
-}
+/// The materials of a moment, each once for each time in which it is referred to.
+class MaterialSampler {
+public:
+  MaterialSampler(double frame, SampledMaterials& out) : frame_(frame), out_(out) {}
+
+  MaterialIndex operator()(const MaterialPtr& material, const TimeMap& time = {}) {
+    const std::pair key{material.get(), time};
+    if (const auto known = sampled_.find(key); known != sampled_.end()) return known->second;
+    std::visit(
+        [&](const auto& kind) {
+          std::vector<MaterialIndex> below;
+          const auto visit = [&]<class T>(const ParameterRules&, const T& value) {
+            if constexpr (IsMaterialEdge<T>) below.push_back((*this)(value, time));
+          };
+          for_each_value(visit, kind);
+          out_.emplace_back(sample_record(kind, time.at(frame_), nullptr, below.data()));
+        },
+        material->kind);
+    const MaterialIndex index{static_cast<uint32_t>(out_.size() - 1)};
+    sampled_.emplace(key, index);
+    return index;
+  }
+
+private:
+  double frame_;
+  SampledMaterials& out_;
+  std::map<std::pair<const MaterialNode*, TimeMap>, MaterialIndex> sampled_;
+};
 
 /// The variant of a list, at one moment.
 template <class List>
@@ -30,6 +49,22 @@ typename List::template Variant<SampledMode> sample_variant(const typename List:
   return std::visit([&]<template <class> class Kind>(const Kind<AnimatedMode>& k) ->
                     typename List::template Variant<SampledMode> { return sample_record(k, frame); },
                     v);
+}
+
+SampledField sample_field(const FieldNode& root, double frame, MaterialSampler& materials) {
+  SampledField field;
+  // What is shared does not depend on the frame, so all moments have one structure.
+  FieldFold<unsigned> fold(PartsShared::in_one_time);
+  fold(root, [&](const FieldNode& node, const auto& kind, const TimeMap& time, std::span<const unsigned> nodes) {
+    field.nodes.emplace_back(sample_record(kind, time.at(frame), nodes.data()));
+    if (node.material) {
+      field.materials.resize(field.nodes.size());
+      field.materials.back() = materials(node.material, time);
+    }
+    return static_cast<unsigned>(field.nodes.size() - 1);
+  });
+  if (!field.materials.empty()) field.materials.resize(field.nodes.size());
+  return field;
 }
 
 /// The keys of whatever is looked at: all that matters of them while the shutter is open.
@@ -131,11 +166,13 @@ FrameScene sample_moment(const Scene& scene, double frame) {
   out.film = sample_record(scene.film, frame);
   for (const auto& light : scene.lights) out.lights.push_back(sample_variant<LightKinds>(light, frame));
   const PixelScale pixels = pixel_scale(out.camera, scene.detail_height > 0 ? scene.detail_height : out.film.resolution.y);
+  MaterialSampler materials(frame, out.materials);
   for (const Shape& shape : scene.shapes) {
-    SampledShape s{shape.name, shape.threshold.at(frame), {}, {}, sample_variant<SurfaceKinds>(shape.surface, frame)};
-    if (shape.field) {
-      s.field = sample_field(*shape.field, frame);
-      if (std::any_of(s.field.nodes.begin(), s.field.nodes.end(), is_complex)) see(s.field, s.field.root(), pixels);
+    SampledShape s{shape.name, shape.threshold.at(frame), {}, {}, materials(shape.surface), {}, shape.priority};
+    for (const auto& [tree, field] : {std::pair(&shape.field, &s.field), std::pair(&shape.texture, &s.texture)}) {
+      if (!*tree) continue;
+      *field = sample_field(**tree, frame, materials);
+      if (std::any_of(field->nodes.begin(), field->nodes.end(), is_complex)) see(*field, field->root(), pixels);
     }
     if (shape.geometry) s.geometry = sample_variant<GeometryKinds>(*shape.geometry, frame);
     out.shapes.push_back(std::move(s));

@@ -6,7 +6,7 @@
 #include <map>
 #include <optional>
 
-#include "materials/surfaces.h"
+#include "materials/material.h"
 #include "morph/field_node.h"
 #include "scene/camera.h"
 #include "scene/film.h"
@@ -28,7 +28,9 @@ The surface is where the potential equals the threshold; inside it is larger.)";
   Animated<float> threshold{1.f};
   FieldPtr field;                                               ///< null where `geometry` is set
   std::optional<GeometryKinds::Variant<AnimatedMode>> geometry; ///< none where `field` is set
-  SurfaceKinds::Variant<AnimatedMode> surface{Matte<AnimatedMode>{}};
+  MaterialPtr surface = make_material<Matte>();
+  FieldPtr texture; ///< may be null
+  int priority = 0;
   SourcePosition where;
 
   static constexpr auto parameters() {
@@ -37,7 +39,11 @@ The surface is where the potential equals the threshold; inside it is larger.)";
         parameter("threshold", &Shape::threshold, "the potential at the surface of `field`").above(0),
         parameter("field", &Shape::field, "an implicit shape").alternative_to("geometry").required(),
         parameter("geometry", &Shape::geometry, "ordinary geometry").alternative_to("field").required(),
-        parameter("surface", &Shape::surface, "what it is made of").or_named_in("surfaces"),
+        parameter("surface", &Shape::surface, "what it is made of where neither `texture` nor its field says otherwise")
+            .or_named_in("materials"),
+        parameter("texture", &Shape::texture,
+                  "a field whose nodes have materials: where it is above 0 the shape is made of them (`kelpie kinds material`)"),
+        parameter("priority", &Shape::priority, "where shapes overlap the one of the highest priority fills the place").at_least(-1000).at_most(1000),
     };
   }
 };
@@ -71,7 +77,7 @@ World space is right-handed, y up. Files that a scene names are relative to it.)
   double units = 1;
   Frames frames;
   std::vector<std::string> include;
-  std::map<std::string, SurfaceKinds::Variant<AnimatedMode>> surfaces;
+  std::map<std::string, MaterialPtr> materials;
   std::map<std::string, FieldPtr> parts;
   Camera<AnimatedMode> camera;
   Film<AnimatedMode> film;
@@ -91,9 +97,9 @@ World space is right-handed, y up. Files that a scene names are relative to it.)
                   "these is built yet)")
             .above(0),
         parameter("frames", &Scene::frames, "which frames there are"),
-        parameter("include", &Scene::include, "files whose surfaces and parts are this scene's too: `kelpie kinds library`"),
+        parameter("include", &Scene::include, "files whose materials and parts are this scene's too: `kelpie kinds library`"),
         // What is referred to stands before what refers to it: this is the order of reading.
-        parameter("surfaces", &Scene::surfaces, "surfaces by name, for any number of shapes"),
+        parameter("materials", &Scene::materials, "materials by name, for shapes, fields and other materials"),
         parameter("parts", &Scene::parts, "fields by name, for any number of instances (`kelpie kinds instance`); not seen by themselves"),
         parameter("camera", &Scene::camera, "where the picture is taken from"),
         parameter("film", &Scene::film, "size and quality of the picture"),
@@ -110,8 +116,9 @@ struct SampledShape {
   float threshold = 1;
   SampledField field; ///< no nodes where `geometry` is set
   std::optional<GeometryKinds::Variant<SampledMode>> geometry;
-  SurfaceKinds::Variant<SampledMode> surface{Matte<SampledMode>{}};
-  /// Where shapes overlap, that of the highest priority fills the place (renderer/trace/media.h). The same for all that are read.
+  MaterialIndex surface; ///< none: a matte grey
+  SampledField texture;  ///< no nodes where there is none
+  /// Where shapes overlap, that of the highest priority fills the place (renderer/trace/media.h).
   int priority = 0;
 };
 
@@ -128,6 +135,7 @@ struct FrameScene {
   Film<SampledMode> film;
   std::vector<LightKinds::Variant<SampledMode>> lights;
   std::vector<SampledShape> shapes;
+  SampledMaterials materials; ///< of all shapes
 
   /// The scene at any other frame (without `moment`); none where nothing moves.
   std::function<FrameScene(double frame)> moment;

@@ -88,13 +88,14 @@ Json type_schema(const ParameterRules& rules) {
   else if constexpr (std::is_same_v<T, std::string> || std::is_same_v<T, AssetPath> || std::is_same_v<T, PartReference>)
     return {{"type", "string"}, {"minLength", 1}};
   else
-    return reference(type_text<T>()); // records and kinds have a definition of their own
+    return reference(type_text<T>()); // records, materials and kinds have a definition of their own
 }
 
 template <Record T>
 Json record_schema(bool is_kind) {
   Json properties = Json::object(), required = Json::array(), rules = Json::array();
   if (is_kind) properties["kind"] = {{"const", T::k_name}}, required.push_back("kind");
+  if (may_have_material<T>()) properties["material"] = {{"anyOf", {reference("material"), {{"type", "string"}, {"minLength", 1}}}}};
   const T defaults{};
   for_each_parameter<T>([&](const auto& row) {
     Json p = type_schema<MemberOf<decltype(row)>>(row);

@@ -174,7 +174,7 @@ TEST(Surfaces, MayHaveNames) {
   // A surface is one, not the name of one.
   EXPECT_EQ(folder.errors(scene(gold + ",\"other\":\"gold\"", "\"gold\"")),
             "scene.json:2:87: surfaces: expected a surface (an object with a \"kind\"), found a string");
-  EXPECT_EQ(folder.read(scene(gold, "\"gold\""), {{"surfaces.gold.kind=matte"}, {}}).shapes[0].surface.index(), 0u);
+  EXPECT_EQ(folder.read(scene(gold, "\"gold\""), {{"materials.gold.kind=matte"}, {}}).shapes[0].surface.index(), 0u);
 }
 
 TEST(Units, AreMetres) {
@@ -198,12 +198,12 @@ TEST(Include, BringsPartsAndSurfaces) {
                                      "}}");
   folder.write("lib/deeper/more.json",
                R"({"kelpie":1, "include": ["../../metals.json"], "parts": {"cloud": {"kind":"blobs","file":"c.ply"}}})");
-  folder.write("metals.json", R"({"kelpie":1, "surfaces": {"gold": {"kind":"metal"}}})");
+  folder.write("metals.json", R"({"kelpie":1, "materials": {"gold": {"kind":"metal"}}})");
   std::filesystem::copy_file(folder.path("cloud.ply"), folder.path("lib/deeper/c.ply"));
   const std::string text = including("\"lib/drops.json\"", "\"parts\":{\"own\":" + k_point + "},");
   const Scene scene = folder.read(text);
   EXPECT_EQ(scene.parts.size(), 3u);
-  EXPECT_EQ(scene.surfaces.size(), 1u);
+  EXPECT_EQ(scene.materials.size(), 1u);
   EXPECT_TRUE(std::get<Blobs<AnimatedMode>>(scene.parts.at("cloud")->kind).cloud); // relative to the file that names it
   // --set reaches it, and may include as well.
   const Scene set = folder.read(text, {{"parts.own.radius=3", "shapes.a.surface=gold"}, {}});
@@ -299,7 +299,7 @@ TEST(Include, KeepsToItsLimits) {
 TEST(Schema, KnowsPartsAndLibraries) {
   ProblemList problems;
   const JsonValue root = parse_document(json_schema(), "schema", problems).root;
-  for (const char* key : {"units", "include", "surfaces", "parts"}) {
+  for (const char* key : {"units", "include", "materials", "parts"}) {
     EXPECT_TRUE(root.find("properties")->find(key)) << key;
     EXPECT_TRUE(root.find("$defs")->find("library")->find("properties")->find(key)) << key;
   }

@@ -48,6 +48,13 @@ taken, whose field has no crease off the surface. Source: methods.md section 2.)
     }
   }
   Demand demand_of_operands(Demand mine, size_t /*count*/) const { return mine; }
+  void shares(std::span<const double> f, double threshold, std::span<double> shares) const {
+    size_t least = 0;
+    double value = f[0];
+    for (size_t i = 1; i < f.size(); ++i)
+      if (2 * threshold - f[i] < value) value = 2 * threshold - f[i], least = i;
+    share_all_to(least, shares);
+  }
 };
 
 } // namespace kelpie

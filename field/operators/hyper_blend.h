@@ -52,6 +52,11 @@ With n < 1 the slope has no bound where a child ends: pictures take longer. Sour
     for (size_t i = 0; i < f.size(); ++i) kept[i] = f[i].hi > 0;
   }
   Demand demand_of_operands(Demand mine, size_t count) const { return count == 1 ? mine : Demand::value; }
+  void shares(std::span<const double> f, double /*threshold*/, std::span<double> shares) const {
+    const double most = std::max(0.0, *std::max_element(f.begin(), f.end())); // no power overflows
+    for (size_t i = 0; i < f.size(); ++i) shares[i] = f[i] > 0 ? std::pow(f[i] / most, double(n)) : 0;
+    share_by(shares, shares);
+  }
 
 private:
   template <class At>

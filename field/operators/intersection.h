@@ -50,6 +50,9 @@ Source: methods.md section 2.)";
     if (std::find(kept.begin(), kept.end(), char(true)) == kept.end()) kept[0] = true; // full: nothing is left, but "inside" must be said
   }
   Demand demand_of_operands(Demand mine, size_t /*count*/) const { return mine; }
+  void shares(std::span<const double> f, double /*threshold*/, std::span<double> shares) const {
+    share_all_to(static_cast<size_t>(std::min_element(f.begin(), f.end()) - f.begin()), shares);
+  }
 };
 
 } // namespace kelpie

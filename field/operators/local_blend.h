@@ -66,6 +66,14 @@ the one becomes the other. So a hand may touch a face without growing into it. S
     if (left == 0 || (left == 1 && (f[last].lo >= 0 || count == 1))) kept[count] = false;
   }
   Demand demand_of_operands(Demand mine, size_t count) const { return count == 1 ? mine : Demand::value; }
+  void shares(std::span<const double> f, double /*threshold*/, std::span<double> shares) const {
+    const std::span<const double> parts = f.first(f.size() - 1);
+    const double in_region = clamp(f.back(), 0, 1);
+    share_by(parts, shares.first(parts.size()));
+    for (double& share : shares) share *= in_region;
+    shares[static_cast<size_t>(std::max_element(parts.begin(), parts.end()) - parts.begin())] += 1 - in_region;
+    shares.back() = 0;
+  }
 
 private:
   template <class At>

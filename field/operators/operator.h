@@ -4,6 +4,8 @@
 //   Real combine(span<const Real> f, double threshold, Demand mine)   its formula, for double, Interval and Dual
 //   void keep(f, threshold, mine, kept)           which operands can matter in a cell where they lie in f
 //   Demand demand_of_operands(mine, count)        what its operands must yield, where so many are kept
+//   void shares(f, threshold, shares)             how much of the material of what it makes is of each operand: they sum to 1, or are
+//                                                 all 0 where nothing is; not below 0 (Barbier, Galin, Akkouche, section 4)
 // One that depends on the threshold has `bool scales_with_threshold(mine)`: combine(s f, s T) = s combine(f, T). Between two states
 // of it, whose numbers are interpolated together, `combine` lies between those of both. Its operands are what its table leads to, in
 // roles that the table says; one that sees some of them through maps, or several times, says so itself (field/operators/operands.h).
@@ -51,6 +53,20 @@ template <class Kind>
 constexpr Lone lone_of() {
   if constexpr (requires { Kind::k_lone; }) return Kind::k_lone;
   return is_positional<Kind>() ? Lone::combined : Lone::itself;
+}
+
+/// Shares of a sum of which each operand has its part; what is not above 0 has none.
+inline void share_by(std::span<const double> parts, std::span<double> shares) {
+  double sum = 0;
+  for (size_t i = 0; i < parts.size(); ++i) sum += shares[i] = std::max(0.0, parts[i]);
+  if (sum > 0)
+    for (double& share : shares) share /= sum;
+}
+
+/// All to one.
+inline void share_all_to(size_t index, std::span<double> shares) {
+  std::fill(shares.begin(), shares.end(), 0.0);
+  shares[index] = 1;
 }
 
 /// r += slope * x, of derivatives only; an unbounded slope leaves nothing to say (and no NaN).

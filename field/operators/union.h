@@ -50,6 +50,9 @@ Source: methods.md section 2.)";
       kept[i] = is_r_function ? f[i].hi > 0 : (i == best || f[i].hi > f[best].lo) && !(is_sign && f[i].hi < threshold);
   }
   Demand demand_of_operands(Demand mine, size_t /*count*/) const { return mine; }
+  void shares(std::span<const double> f, double /*threshold*/, std::span<double> shares) const {
+    share_all_to(static_cast<size_t>(std::max_element(f.begin(), f.end()) - f.begin()), shares);
+  }
 };
 
 } // namespace kelpie

@@ -1,6 +1,7 @@
 // Rays from the camera through the film.
 #pragma once
 
+#include "renderer/integrate/ray_cone.h"
 #include "renderer/trace/exposure_states.h"
 #include "renderer/trace/solve.h"
 
@@ -31,6 +32,9 @@ public:
     return ray;
   }
 
+  /// Around the ray through a pixel: what the pixel sees.
+  RayCone cone() const { return {0, pixel_}; }
+
   /// Where the film sees a point that lies in front of the camera, in pixels.
   Vec2 film_of(const Vec3& p) const {
     const Vec3 d = p - position_;
@@ -57,6 +61,7 @@ public:
         resolution_(frame.film.resolution), standing_(states_[0], resolution_) {}
 
   CameraRays at(float time) const { return states_.size() == 1 ? standing_ : CameraRays(state_at(states_, time), resolution_); }
+  RayCone cone() const { return standing_.cone(); }
   /// Around all its positions.
   Box3 bounds() const {
     Box3 box;

@@ -25,7 +25,7 @@ constexpr int k_roulette_from = 4;
 
 /// A point of a path on a surface. Local coordinates have the normal on the side of the viewer as z.
 struct PathTracer::Vertex {
-  Vertex(Path& p, const Hit& h, const Bsdf& b)
+  Vertex(Path& p, const Hit& h, const SurfaceBsdf& b)
       : path(p), hit(h), basis(facing_normal(p.ray, h)), out(basis.local_from_world(-p.ray.direction)), bsdf(b) {}
 
   /// A ray towards where light comes from, the same direction in local coordinates and in the world. It starts on the side of
@@ -37,12 +37,13 @@ struct PathTracer::Vertex {
   const Hit& hit;
   OrthonormalBasis basis;
   Vec3 out; ///< towards the viewer, local
-  Bsdf bsdf;
+  SurfaceBsdf bsdf;
   Vec3 direct{0}; ///< light that samples of lights found
 };
 
 PathTracer::PathTracer(const Tracer& tracer, const std::vector<Light>& lights, const FrameScene& frame)
-    : frame_(frame), tracer_(tracer), lights_(lights), background_(frame.film.background), bounces_(frame.film.bounces) {
+    : frame_(frame), tracer_(tracer), lights_(lights), background_(frame.film.background), surfaces_(frame, tracer),
+      bounces_(frame.film.bounces) {
   for (const Light& light : lights_) has_extended_light_ |= !light.is_delta();
 }
 
@@ -72,6 +73,7 @@ void PathTracer::trace(std::span<Path> paths, RayCounters& counters) const {
 /// The paths (bits) whose rays meet a surface that can be seen.
 uint32_t PathTracer::meet(std::span<Path* const> paths, bool side_by_side, SolveCounters& counters, Hit* hits) const {
   uint32_t met = 0;
+  for (Path* path : paths) path->start = path->ray.origin;
   if (side_by_side) {
     std::array<Ray, k_packet> rays;
     for (size_t i = 0; i < paths.size(); ++i) rays[i] = paths[i]->ray;
@@ -94,15 +96,57 @@ uint32_t PathTracer::shadowed(std::span<const Ray> rays, bool side_by_side, Solv
 }
 
 PathTracer::Vertex PathTracer::arrive(Path& path, const Hit& hit, int bounce) const {
-  const Bsdf surface = surface_at(frame_, hit);
-  Vertex vertex(path, hit, path.after_matte ? surface.at_least_as_rough_as(k_alpha_after_matte) : surface);
-  path.after_matte = path.after_matte || !surface.is_glossy();
+  const Vec3 normal = facing_normal(path.ray, hit);
+  const Footprint footprint = surfaces_.is_uniform(hit) ? Footprint{} : path.cone.on_surface(path.ray.direction, normal, hit.t);
+  SurfaceParameters memory;
+  const SurfaceParameters& surface = surfaces_.at(hit, footprint, memory);
+  const Boundary boundary = boundary_at(path.ray, hit, surface);
+  path.throughput *= left_of_light(path, hit);
+  if (!boundary.from_inside) path.result.radiance += path.throughput * (surface.emission_color.rgb * surface.emission_luminance);
+  const SurfaceBsdf bsdf(surface, boundary);
+  Vertex vertex(path, hit, path.after_matte ? bsdf.at_least_as_rough_as(k_alpha_after_matte) : bsdf);
+  path.after_matte = path.after_matte || !bsdf.is_glossy();
   if (bounce == 0) path.result.is_hit = true, path.result.hit = hit, path.result.albedo = vertex.bsdf.albedo();
   // On a matte surface the samples of lights alone are the best estimate of direct light (their density
   // follows the radiance, so only the cosine varies): a scattered ray that finds light adds noise. On a
   // glossy one both are weighed, even on the last vertex: highlights are direct light.
   path.seeks_light = vertex.bsdf.is_glossy() && has_extended_light_;
   return vertex;
+}
+
+/// What a shape that a ray is in is made of, about a hit of that ray.
+const SurfaceParameters& PathTracer::medium_at(uint32_t shape, const Hit& hit, SurfaceParameters& memory) const {
+  Hit there = hit;
+  if (shape != hit.shape) there.shape = shape, there.slab = nullptr; // of its field nothing is known here
+  return surfaces_.at(there, {}, memory);
+}
+
+/// The media on both sides of a surface. Nested dielectrics: what fills a place is what has the highest priority there.
+Boundary PathTracer::boundary_at(const Ray& arrived, const Hit& hit, const SurfaceParameters& surface) const {
+  if (surface.transmission_weight == 0 && arrived.inside.is_empty()) return {1, surface.specular_ior, false};
+  ShapeSet beyond = arrived.inside;
+  if (hit.is_leaving)
+    beyond.remove(hit.shape);
+  else
+    beyond.add(hit.shape);
+  const auto ior_in = [&](const ShapeSet& shapes) {
+    const std::optional<uint32_t> filling = tracer_.media().filling(shapes);
+    if (!filling) return 1.f;
+    if (*filling == hit.shape) return surface.specular_ior;
+    SurfaceParameters memory;
+    return medium_at(*filling, hit, memory).specular_ior;
+  };
+  return {ior_in(arrived.inside), ior_in(beyond), hit.is_leaving && surface.transmission_weight > 0};
+}
+
+/// Of the light along a ray up to a hit, what the medium that it lies in leaves (Beer and Lambert).
+Vec3 PathTracer::left_of_light(const Path& path, const Hit& hit) const {
+  const std::optional<uint32_t> filling = tracer_.media().filling(path.ray.inside);
+  if (!filling) return Vec3(1);
+  SurfaceParameters memory;
+  const SurfaceParameters& medium = medium_at(*filling, hit, memory);
+  if (medium.transmission_weight == 0 || medium.transmission_depth == 0) return Vec3(1);
+  return glm::pow(glm::max(medium.transmission_color.rgb, Vec3(1e-6f)), Vec3(glm::distance(path.start, hit.position) / medium.transmission_depth));
 }
 
 /// The path's ray met nothing.
@@ -121,6 +165,7 @@ bool PathTracer::scatter(Vertex& vertex, int bounce, RayCounters& counters) cons
   path.scattered = vertex.bsdf.sample(vertex.out, u.z, Vec2(u.x, u.y));
   if (path.scattered.pdf <= 0) return false;
   path.throughput *= path.scattered.weight, path.eta *= path.scattered.eta;
+  path.cone = path.cone.scattered(vertex.hit.t, path.scattered.pdf, path.scattered.is_delta);
   path.ray = vertex.leave(path.scattered.direction, vertex.basis.world_from_local(path.scattered.direction));
   if (is_last) {
     ++counters.shadow;

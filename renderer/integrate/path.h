@@ -3,9 +3,10 @@
 
 #include <span>
 
-#include "renderer/integrate/bsdf.h"
 #include "renderer/integrate/lights.h"
+#include "renderer/integrate/ray_cone.h"
 #include "renderer/integrate/sampler.h"
+#include "renderer/integrate/surfaces.h"
 #include "renderer/trace/tracer.h"
 
 namespace kelpie {
@@ -30,9 +31,11 @@ struct PathResult {
 
 /// A path on its way; at first a camera ray.
 struct Path {
-  Path(const Ray& camera_ray, const Sampler& s) : ray(camera_ray), sampler(s) {}
+  Path(const Ray& camera_ray, const Sampler& s, const RayCone& c) : ray(camera_ray), cone(c), sampler(s) {}
 
-  Ray ray; ///< to its next vertex
+  Ray ray;          ///< to its next vertex
+  Vec3 start = ray.origin; ///< of the ray, before it passed what cannot be seen
+  RayCone cone;     ///< around it
   Sampler sampler;
   Vec3 throughput{1};       ///< radiance at the camera, of a unit of radiance along `ray`
   float eta = 1;            ///< refractive index around `ray` over that around the camera
@@ -57,6 +60,9 @@ private:
   uint32_t meet(std::span<Path* const> paths, bool side_by_side, SolveCounters& counters, Hit* hits) const;
   uint32_t shadowed(std::span<const Ray> rays, bool side_by_side, SolveCounters& counters) const;
   Vertex arrive(Path& path, const Hit& hit, int bounce) const;
+  const SurfaceParameters& medium_at(uint32_t shape, const Hit& hit, SurfaceParameters& memory) const;
+  Boundary boundary_at(const Ray& arrived, const Hit& hit, const SurfaceParameters& surface) const;
+  Vec3 left_of_light(const Path& path, const Hit& hit) const;
   void escape(Path& path, int bounce) const;
   void add_direct_light(std::span<Vertex> vertices, int bounce, RayCounters& counters) const;
   bool scatter(Vertex& vertex, int bounce, RayCounters& counters) const;
@@ -68,6 +74,7 @@ private:
   const Tracer& tracer_;
   const std::vector<Light>& lights_;
   const Background& background_;
+  Surfaces surfaces_;
   int bounces_;
   bool has_extended_light_ = false; ///< one that a scattered ray can find
 };

@@ -54,12 +54,12 @@ public:
 
   void run() {
     Sum sum;
-    add_to_sum(static_cast<uint32_t>(first().field.root()), View{0, std::vector<Affine>(moments_.size())}, Demand::sign, sum);
+    add_to_sum(static_cast<uint32_t>(first().field.root()), View{0, std::vector<Affine>(moments_.size()), 0}, Demand::sign, sum);
     finish(sum);
     for (size_t i = 1; i < moments_.size(); ++i) moments_[i].code = first().code;
     sort_blobs(moments_, identities_);
     if (options_.with_identities) {
-      const auto all = std::make_shared<const Identities>(Identities{std::move(identities_), identities_of_pieces(first().field)});
+      const auto all = std::make_shared<const Identities>(Identities{std::move(identities_), identities_of_pieces(first().field), std::move(places_)});
       for (FieldProgram& m : moments_) m.identities = all;
     }
     for (FieldProgram& m : moments_) find_support(m, nullptr, m.support);
@@ -70,6 +70,7 @@ private:
   struct View {
     uint32_t space = 0;
     std::vector<Affine> space_from_here;
+    uint32_t place; ///< into places_: the material of what is above
   };
 
   /// A blend in the making: blobs by the space they live in, and everything else.
@@ -86,7 +87,8 @@ private:
   }
 
   /// Adds the subtree at `node`, with its view, to a sum: blends are flattened.
-  void add_to_sum(uint32_t index, const View& view, Demand demand, Sum& sum) {
+  void add_to_sum(uint32_t index, const View& from_above, Demand demand, Sum& sum) {
+    const View view = with_material(index, from_above);
     std::visit(
         [&](const auto& kind) {
           using K = std::decay_t<decltype(kind)>;
@@ -97,11 +99,11 @@ private:
           } else if constexpr (AffineWarp<K>) {
             for_each_operand_seen<K>(index, view, [&](uint32_t child, const View& below) { add_to_sum(child, below, demand, sum); });
           } else if constexpr (Warp<K>) {
-            add_to_sum(kind.child, {push_space(view, index), std::vector<Affine>(moments_.size())}, demand, sum);
+            add_to_sum(kind.child, {push_space(view, index), std::vector<Affine>(moments_.size()), view.place}, demand, sum);
           } else if constexpr (BlobSource<K>) {
             add_blobs<K>(index, view, sum);
           } else if constexpr (Skeleton<K>) {
-            sum.others.push_back(emit_skeleton<K>(index, space_of(view)));
+            sum.others.push_back(emit_skeleton<K>(index, space_of(view), view.place));
           } else if constexpr (ComplexPrimitive<K>) {
             View below = view;
             if constexpr (requires { kind.parent_from_pieces(); })
@@ -113,6 +115,16 @@ private:
           }
         },
         first().field.nodes[index]);
+  }
+
+  /// What a node's own material makes of how its parent sees the world.
+  View with_material(uint32_t index, const View& view) {
+    const std::vector<MaterialIndex>& materials = first().field.materials;
+    if (!options_.with_identities || index >= materials.size() || !materials[index].is_set()) return view;
+    View own = view;
+    own.place = static_cast<uint32_t>(places_.size());
+    places_.push_back({materials[index], space_of(view)});
+    return own;
   }
 
   template <class Kind>
@@ -148,13 +160,13 @@ private:
   }
 
   template <class Kind>
-  uint32_t emit_skeleton(uint32_t index, uint32_t space) {
+  uint32_t emit_skeleton(uint32_t index, uint32_t space, uint32_t place) {
     if constexpr (std::is_same_v<Kind, Polyhedron<SampledMode>>)
       for (size_t i = 0; i < moments_.size(); ++i) {
         const auto& points = node<Kind>(i, index).points;
         if (points.size() <= k_most_hull_points) moments_[i].hulls.emplace(index, hull_faces(points));
       }
-    return emit({Instruction::Kind::skeleton, index, space, 0, 0, Demand::value});
+    return emit({Instruction::Kind::skeleton, index, space, place, 0, Demand::value});
   }
 
   uint32_t emit_pieces(const Expansion& expansion, const View& view, Demand demand) {
@@ -164,7 +176,7 @@ private:
     for (uint32_t i = expansion.first; i < expansion.first + expansion.count; ++i)
       std::visit(
           [&]<class Kind>(const Kind&) {
-            if constexpr (Skeleton<Kind>) operands.push_back(emit_skeleton<Kind>(i, space));
+            if constexpr (Skeleton<Kind>) operands.push_back(emit_skeleton<Kind>(i, space, view.place));
           },
           first().field.nodes[i]);
     if (operands.size() == 1) return operands[0];
@@ -184,7 +196,7 @@ private:
     for (size_t j = 0; j < clouds[0].size(); ++j) {
       if (std::all_of(clouds.begin(), clouds.end(), [&](const BlobCloud& c) { return c[j].weight == 0; })) continue;
       list.push_back(static_cast<uint32_t>(first().blobs.size()));
-      if (options_.with_identities) identities_.push_back({index, static_cast<uint32_t>(j)});
+      if (options_.with_identities) identities_.push_back({index, static_cast<uint32_t>(j), view.place});
       for (size_t i = 0; i < moments_.size(); ++i) {
         Blob blob = clouds[i][j];
         if (is_folded) {
@@ -261,6 +273,7 @@ private:
   std::vector<FieldProgram>& moments_;
   CompileOptions options_;
   std::vector<LeafIdentity> identities_; ///< of blobs, if they are asked for
+  std::vector<MaterialPlace> places_{MaterialPlace{}};
   std::optional<uint32_t> blend_;        ///< any blend of the tree: they have no parameters, so one stands for all
 };
 

@@ -83,6 +83,21 @@ bool set_in_motion(FieldProgram& start, FieldProgram end, const SampledField* he
   return true;
 }
 
+namespace {
+
+/// Puts a space, and those that it lies in, where they are at a time.
+void move_space(const FieldProgram& program, uint32_t index, double u, FieldProgram& now) {
+  const Motion& motion = *program.motion;
+  for (uint32_t i = index; motion.spaces[i]; i = program.spaces[i].parent) {
+    const Space& space = program.spaces[i];
+    now.spaces[i].local_from_parent = interpolate(space.local_from_parent, motion.end.spaces[i].local_from_parent, u);
+    if (space.warp != Space::k_no_warp && motion.nodes[space.warp])
+      interpolate(program.field.nodes[space.warp], motion.end.field.nodes[space.warp], u, now.field.nodes[space.warp]);
+  }
+}
+
+} // namespace
+
 const FieldProgram& at(const FieldProgram& program, const CodeView& code, double u) {
   if (!program.motion) return program;
   const Motion& motion = *program.motion;
@@ -96,14 +111,17 @@ const FieldProgram& at(const FieldProgram& program, const CodeView& code, double
   for (const Instruction& step : code.steps) {
     if (step.kind != Instruction::Kind::blobs && motion.nodes[step.node])
       interpolate(program.field.nodes[step.node], motion.end.field.nodes[step.node], u, now.field.nodes[step.node]);
-    for (uint32_t i = step.space; motion.spaces[i]; i = program.spaces[i].parent) {
-      const Space& space = program.spaces[i];
-      now.spaces[i].local_from_parent = interpolate(space.local_from_parent, motion.end.spaces[i].local_from_parent, u);
-      if (space.warp != Space::k_no_warp && motion.nodes[space.warp])
-        interpolate(program.field.nodes[space.warp], motion.end.field.nodes[space.warp], u, now.field.nodes[space.warp]);
-    }
+    move_space(program, step.space, u, now);
   }
   return now;
+}
+
+const FieldProgram& at_with_materials(const FieldProgram& program, const CodeView& code, double u) {
+  if (!program.motion) return program;
+  const FieldProgram& seen = at(program, code, u);
+  FieldProgram& now = program.motion->now.local();
+  for (const MaterialPlace& place : program.identities->places) move_space(program, place.space, u, now);
+  return seen;
 }
 
 Box3d image_in_space(const FieldProgram& program, uint32_t index, const Box3d& world) {

@@ -42,7 +42,7 @@ struct Instruction {
   Kind kind = Kind::blobs;
   uint32_t node = 0;  ///< into FieldProgram::field.nodes
   uint32_t space = 0; ///< into FieldProgram::spaces: where the blobs or the skeleton live
-  uint32_t first = 0, count = 0;
+  uint32_t first = 0, count = 0; ///< of a skeleton `first` is its place in Identities::places
   Demand demand = Demand::value; ///< of an operator: what is asked of it in the whole tree
 };
 
@@ -67,14 +67,24 @@ struct Space {
 struct LeafIdentity {
   uint32_t node = 0; ///< of the sampled field, as the scene has it: a leaf, a cloud or a complex primitive. Instances share nodes
   uint32_t part = 0; ///< which of a cloud's blobs or of a complex primitive's pieces; else 0
+  uint32_t place = 0; ///< into Identities::places: what a blob is made of. Of others their instruction says it
 
   friend bool operator==(const LeafIdentity&, const LeafIdentity&) = default;
 };
 
-/// Whose all leaves are that are not nodes themselves.
+/// What leaves are made of that lie below a node with a material, and where that material lives.
+struct MaterialPlace {
+  MaterialIndex material; ///< none: nothing above says
+  uint32_t space = 0;     ///< into FieldProgram::spaces
+
+  friend bool operator==(const MaterialPlace&, const MaterialPlace&) = default;
+};
+
+/// Whose all leaves are that are not nodes themselves, and what all are made of.
 struct Identities {
   std::vector<LeafIdentity> blobs;  ///< of each blob of the program
   std::vector<LeafIdentity> pieces; ///< of each node behind the root of the sampled field; the last, which is none, has any
+  std::vector<MaterialPlace> places; ///< the first has no material
 };
 
 /// Finding the faces of hulls takes the fourth power of this.
@@ -105,7 +115,7 @@ struct FieldProgram {
 };
 
 struct CompileOptions {
-  bool with_identities = false; ///< 8 bytes a blob; cells then keep their programs, too
+  bool with_identities = false; ///< 12 bytes a blob; cells then keep their programs, too
 };
 
 /// Compiles a sampled field: affine warps are folded into the leaves (into the blobs themselves where the

@@ -9,6 +9,11 @@ namespace kelpie {
 
 namespace {
 
+/// Where leaves have materials a hit must know which leaves made it.
+CompileOptions options_for(const SampledField& field, const CellLimits& limits) {
+  return {.with_identities = limits.with_identities || !field.materials.empty()};
+}
+
 /// The moments of a frame that were asked for.
 class Moments {
 public:
@@ -34,7 +39,8 @@ Slabs build_moving(Moments& moments, size_t shape, std::span<const double> break
       const SampledShape& s = moments.at(t).shapes[shape];
       fields.push_back(s.field), thresholds.push_back(s.threshold);
     }
-    return compile(std::move(fields), thresholds, {.with_identities = limits.with_identities});
+    const CompileOptions options = options_for(fields[0], limits);
+    return compile(std::move(fields), thresholds, options);
   };
   return build_slabs(compile_at, breaks, limits);
 }
@@ -77,7 +83,7 @@ public:
     if (shape.field.nodes.empty()) // geometry has no cells
       cells.program.threshold = shape.threshold;
     else
-      cells = build_cells(compile(shape.field, shape.threshold, {.with_identities = limits_.with_identities}), limits_);
+      cells = build_cells(compile(shape.field, shape.threshold, options_for(shape.field, limits_)), limits_);
     return {std::make_shared<const ShapeCells>(std::move(cells))};
   }
 

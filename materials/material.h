@@ -1,0 +1,40 @@
+// Materials: a surface, or a pattern that ranges over materials.
+#pragma once
+
+#include <vector>
+
+#include "base/error.h"
+#include "materials/patterns.h"
+#include "materials/surfaces.h"
+
+namespace kelpie {
+
+using MaterialKinds = Concat<SurfaceKinds, PatternKinds>;
+
+/// A node of a tree of materials; its parameters may be animated.
+struct MaterialNode {
+  MaterialKinds::Variant<AnimatedMode> kind;
+  SourcePosition where;
+  int depth = 1; ///< how many materials stand in one another, this one included
+  int count = 1; ///< how many there are in the tree, as often as it refers to them
+};
+
+using MaterialPtr = AnimatedMode::Material;
+
+/// A material of this kind, as it is by default.
+template <template <class> class Kind>
+MaterialPtr make_material(Kind<AnimatedMode> kind = {}) {
+  return std::make_shared<MaterialNode>(MaterialNode{std::move(kind), {}});
+}
+
+/// The materials of a scene at one moment; those that a pattern ranges over stand before it.
+using SampledMaterials = std::vector<MaterialKinds::Variant<SampledMode>>;
+
+/// Adds a material, seen at a point of its space, to a mix, with a weight.
+void add_material(const SampledMaterials&, MaterialIndex, const Vec3& p, const Footprint&, float weight, SurfaceMix&);
+
+/// Whether it is the same everywhere: a surface. That is then `surface_of`.
+bool is_uniform(const SampledMaterials&, MaterialIndex);
+SurfaceParameters surface_of(const SampledMaterials&, MaterialIndex);
+
+} // namespace kelpie

@@ -1,0 +1,54 @@
+#include "renderer/integrate/surfaces.h"
+
+namespace kelpie {
+
+namespace {
+
+/// Adds what is found in a program to what lacks of 1 in the mix.
+void add_found(const SampledMaterials& materials, const FieldProgram& program, const CodeView& code, const Vec3& p,
+               const Footprint& footprint, SurfaceMix& mix) {
+  thread_local std::vector<MaterialAt> found;
+  const float rest = 1 - mix.weight();
+  materials_at(program, code, Vec3d(p), footprint, found);
+  for (const MaterialAt& m : found) add_material(materials, m.material, m.position, m.footprint, rest * m.share, mix);
+}
+
+/// Less than this is what float numbers lack of 1.
+constexpr float k_rest = 1e-5f;
+
+} // namespace
+
+Surfaces::Surfaces(const FrameScene& frame, const Tracer& tracer) : frame_(frame) {
+  for (const SampledShape& shape : frame.shapes) {
+    Shape& s = shapes_.emplace_back();
+    if (!shape.texture.nodes.empty()) {
+      FieldProgram program = compile(shape.texture, shape.threshold, {.with_identities = true});
+      s.texture = std::make_shared<const ValueCells>(std::move(program), Box3d{Vec3d(tracer.bounds().lower), Vec3d(tracer.bounds().upper)});
+    }
+    s.is_uniform = !s.texture && shape.field.materials.empty() && (!shape.surface.is_set() || kelpie::is_uniform(frame.materials, shape.surface));
+    if (s.is_uniform && shape.surface.is_set()) s.surface = surface_of(frame.materials, shape.surface);
+  }
+}
+
+const SurfaceParameters& Surfaces::at(const Hit& hit, const Footprint& footprint, SurfaceParameters& memory) const {
+  const Shape& shape = shapes_[hit.shape];
+  if (shape.is_uniform) return shape.surface;
+  SurfaceMix mix;
+  if (shape.texture)
+    add_found(frame_.materials, shape.texture->program(), shape.texture->code_at(Vec3d(hit.position)), hit.position, footprint, mix);
+  if (mix.weight() < 1 - k_rest && hit.slab && !frame_.shapes[hit.shape].field.materials.empty()) {
+    const CodeView& code = *hit.slab->cells[hit.cell].code;
+    add_found(frame_.materials, at_with_materials(hit.slab->program, code, hit.slab->slab_time(hit.time)), code, hit.position, footprint,
+              mix);
+  }
+  if (mix.weight() < 1 - k_rest) {
+    if (const MaterialIndex rest = frame_.shapes[hit.shape].surface; rest.is_set())
+      add_material(frame_.materials, rest, hit.position, footprint, 1 - mix.weight(), mix);
+    else
+      mix.add(shape.surface, 1 - mix.weight());
+  }
+  memory = mix.sum();
+  return memory;
+}
+
+} // namespace kelpie

@@ -1,0 +1,37 @@
+// What the shapes of a frame are made of, at a hit.
+#pragma once
+
+#include <memory>
+
+#include "materials/surface_bsdf.h"
+#include "renderer/cells/value_cells.h"
+#include "renderer/program/materials_at.h"
+#include "renderer/trace/tracer.h"
+
+namespace kelpie {
+
+/// Evaluates materials. Whatever varies over a shape is decided here: the hit knows the place, the moment, and of a field the cell with
+/// what counts in it.
+class Surfaces {
+public:
+  /// Both must outlive it. Cells of textures are built in the current TBB arena.
+  Surfaces(const FrameScene& frame, const Tracer& tracer);
+
+  /// The surface at a hit that is seen by a footprint (world space): of what the texture of the shape says there, else its field, else
+  /// its `surface`. `memory` may be written to; the answer may be it.
+  const SurfaceParameters& at(const Hit& hit, const Footprint& footprint, SurfaceParameters& memory) const;
+  /// Whether the footprint of a hit is of no use: the shape is the same all over.
+  bool is_uniform(const Hit& hit) const { return shapes_[hit.shape].is_uniform; }
+
+private:
+  struct Shape {
+    bool is_uniform = true;
+    SurfaceParameters surface = Matte<SampledMode>{}.surface(); ///< where it is uniform
+    std::shared_ptr<const ValueCells> texture;
+  };
+
+  const FrameScene& frame_;
+  std::vector<Shape> shapes_;
+};
+
+} // namespace kelpie
