@@ -10,7 +10,8 @@ namespace {
 constexpr size_t k_few_stops = 16;
 
 template <class Kind>
-void add_pattern(const SampledMaterials& all, const Kind& pattern, const Vec3& p, const Footprint& footprint, float weight, SurfaceMix& mix) {
+void add_pattern(const SampledMaterials& all, const Kind& pattern, const Vec3& p, const Footprint& footprint, float weight,
+                 SurfaceMix& mix) {
   std::array<float, k_few_stops> few;
   std::vector<float> many;
   if (pattern.stops.size() > few.size()) many.resize(pattern.stops.size());
@@ -22,7 +23,8 @@ void add_pattern(const SampledMaterials& all, const Kind& pattern, const Vec3& p
 
 } // namespace
 
-void add_material(const SampledMaterials& all, MaterialIndex index, const Vec3& p, const Footprint& footprint, float weight, SurfaceMix& mix) {
+void add_material(const SampledMaterials& all, MaterialIndex index, const Vec3& p, const Footprint& footprint, float weight,
+                  SurfaceMix& mix) {
   std::visit(
       [&](const auto& kind) {
         if constexpr (requires { kind.surface(); })
@@ -34,7 +36,11 @@ void add_material(const SampledMaterials& all, MaterialIndex index, const Vec3& 
 }
 
 bool is_uniform(const SampledMaterials& all, MaterialIndex index) {
-  return std::visit([](const auto& kind) { return requires { kind.surface(); }; }, all[index.index]);
+  return std::visit(
+      [](const auto& kind) {
+        return requires { kind.surface(); };
+      },
+      all[index.index]);
 }
 
 SurfaceParameters surface_of(const SampledMaterials& all, MaterialIndex index) {

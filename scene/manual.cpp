@@ -127,9 +127,8 @@ std::vector<Page> all_pages() {
     if constexpr (std::is_same_v<Group, KindGroup<FieldKinds>>)
       FieldKinds::for_each([&]<template <class> class Kind>() { pages.push_back(page_of<Kind<AnimatedMode>>(field_group<Kind>(), true)); });
     else if constexpr (std::is_same_v<Group, KindGroup<MaterialKinds>>)
-      MaterialKinds::for_each([&]<template <class> class Kind>() {
-        pages.push_back(page_of<Kind<AnimatedMode>>(material_group<Kind>(), true));
-      });
+      MaterialKinds::for_each(
+          [&]<template <class> class Kind>() { pages.push_back(page_of<Kind<AnimatedMode>>(material_group<Kind>(), true)); });
     else
       group.for_each([&]<class T>() { pages.push_back(page_of<T>(group.heading, Group::k_is_kinds)); });
   });

@@ -43,7 +43,9 @@ The surface is where the potential equals the threshold; inside it is larger.)";
             .or_named_in("materials"),
         parameter("texture", &Shape::texture,
                   "a field whose nodes have materials: where it is above 0 the shape is made of them (`kelpie kinds material`)"),
-        parameter("priority", &Shape::priority, "where shapes overlap the one of the highest priority fills the place").at_least(-1000).at_most(1000),
+        parameter("priority", &Shape::priority, "where shapes overlap the one of the highest priority fills the place")
+            .at_least(-1000)
+            .at_most(1000),
     };
   }
 };

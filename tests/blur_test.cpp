@@ -18,7 +18,7 @@ FrameScene lit(FrameScene scene) {
   SunLight<SampledMode> sun;
   sun.direction = Vec3(1, 2, 3), sun.angle = 0;
   scene.lights.emplace_back(sun);
-  for (SampledShape& shape : scene.shapes) shape.surface = Matte<SampledMode>{};
+  for (size_t i = 0; i < scene.shapes.size(); ++i) set_surface(scene, i, Matte<SampledMode>{});
   scene.film.resolution = {40, 30}, scene.film.bounces = 0, scene.film.filter = PixelFilter::box;
   scene.film.background.kind = Background::Kind::transparent;
   scene.camera.position += Vec3(0, -1, -1.5f);

@@ -93,14 +93,14 @@ TEST(Lights, SunGivesItsStrengthWhateverItsAngle) {
 
 // --- whole frames ---
 
-FrameScene blob_in_white(SurfaceKinds::Variant<SampledMode> surface) {
+FrameScene blob_in_white(MaterialKinds::Variant<SampledMode> surface) {
   FrameScene scene;
   SampledShape shape;
   Point<SampledMode> point;
   point.radius = 1, point.weight = 2;
   shape.field.nodes.emplace_back(point);
-  shape.surface = surface;
   scene.shapes.push_back(std::move(shape));
+  set_surface(scene, 0, std::move(surface));
   EnvironmentLight<SampledMode> light;
   light.preset = EnvironmentPreset::white;
   scene.lights.emplace_back(light);
@@ -143,8 +143,8 @@ TEST(Integrate, SunOnAPlane) {
   shape.geometry = plane;
   Matte<SampledMode> m;
   m.colour.rgb = Vec3(0.5f);
-  shape.surface = m;
   scene.shapes.push_back(shape);
+  set_surface(scene, 0, m);
   SunLight<SampledMode> sun;
   sun.direction = Vec3(0, 0, 1), sun.strength = 2, sun.angle = 0;
   scene.lights.emplace_back(sun);

@@ -160,21 +160,22 @@ TEST(Parts, OfTheBraidLoop) {
   EXPECT_EQ(moving, 3 * 24); // of each strand 72 beads, which have 24 different delays
 }
 
-TEST(Surfaces, MayHaveNames) {
+TEST(Materials, MayHaveNames) {
   const SceneFolder folder;
-  const auto scene = [](const std::string& surfaces, const std::string& used) {
-    return R"({"kelpie":1,"shapes":[{"name":"a","field":)" + k_point + ",\n\"surface\":" + used + "}],\"surfaces\":{" + surfaces + "}}";
+  const auto scene = [](const std::string& materials, const std::string& used) {
+    return R"({"kelpie":1,"shapes":[{"name":"a","field":)" + k_point + ",\n\"surface\":" + used + "}],\"materials\":{" + materials + "}}";
   };
   const std::string gold = R"("gold":{"kind":"metal","colour":[1,0.77,0.34]})";
   const Scene s = folder.read(scene(gold, "\"gold\""));
-  EXPECT_EQ(std::get<Metal<AnimatedMode>>(s.shapes[0].surface).colour.at(0).rgb, Vec3(1, 0.77f, 0.34f));
-  EXPECT_EQ(folder.errors(scene(gold, "\"glod\"")), "scene.json:2:11: unknown surface \"glod\" (did you mean \"gold\"?)");
-  EXPECT_EQ(folder.errors(scene("", "\"gold\"")), "scene.json:2:11: unknown surface \"gold\": the scene has no surfaces");
-  EXPECT_EQ(folder.errors(scene(gold, "7")), "scene.json:2:11: surface: expected a surface (an object with a \"kind\"), found a number");
-  // A surface is one, not the name of one.
-  EXPECT_EQ(folder.errors(scene(gold + ",\"other\":\"gold\"", "\"gold\"")),
-            "scene.json:2:87: surfaces: expected a surface (an object with a \"kind\"), found a string");
-  EXPECT_EQ(folder.read(scene(gold, "\"gold\""), {{"materials.gold.kind=matte"}, {}}).shapes[0].surface.index(), 0u);
+  EXPECT_EQ(std::get<Metal<AnimatedMode>>(s.shapes[0].surface->kind).colour.at(0).rgb, Vec3(1, 0.77f, 0.34f));
+  EXPECT_EQ(folder.errors(scene(gold, "\"glod\"")), "scene.json:2:11: unknown material \"glod\" (did you mean \"gold\"?)");
+  EXPECT_EQ(folder.errors(scene("", "\"gold\"")), "scene.json:2:11: unknown material \"gold\": the scene has no materials");
+  EXPECT_EQ(folder.errors(scene(gold, "7")), "scene.json:2:11: surface: expected a material (an object with a \"kind\"), found a number");
+  // One may be another by name, whichever comes first; but not itself.
+  const Scene other = folder.read(scene("\"other\":\"gold\"," + gold, "\"other\""));
+  EXPECT_EQ(other.shapes[0].surface, other.materials.at("gold"));
+  EXPECT_EQ(folder.errors(scene("\"a\":\"b\",\"b\":\"a\"", "\"a\"")), "scene.json:2:43: material \"a\" is made of itself");
+  EXPECT_EQ(folder.read(scene(gold, "\"gold\""), {{"materials.gold.kind=matte"}, {}}).shapes[0].surface->kind.index(), 0u);
 }
 
 TEST(Units, AreMetres) {
@@ -208,7 +209,7 @@ TEST(Include, BringsPartsAndSurfaces) {
   // --set reaches it, and may include as well.
   const Scene set = folder.read(text, {{"parts.own.radius=3", "shapes.a.surface=gold"}, {}});
   EXPECT_EQ(std::get<Point<AnimatedMode>>(set.parts.at("own")->kind).radius.at(0), 3);
-  EXPECT_EQ(set.shapes[0].surface.index(), 1u);
+  EXPECT_EQ(set.shapes[0].surface->kind.index(), 1u);
   EXPECT_EQ(folder.errors(including(""), {{"include=[\"lib/drops.json\"]", "parts.own=" + k_point}, {}}), "");
 }
 

@@ -31,7 +31,7 @@ Place place_of(std::string_view group, const std::string& json) {
                 json + R"(]}],"child":)" + k_point + "}}]}",
             "shapes.a.field.axes.0.frames.0"};
   if (group == "geometry") return {shape + "\"geometry\":" + json + "}]}", "shapes.a.geometry"};
-  if (group == "surface") return {shape + "\"field\":" + k_point + ",\"surface\":" + json + "}]}", "shapes.a.surface"};
+  if (group == "material") return {shape + "\"field\":" + k_point + ",\"surface\":" + json + "}]}", "shapes.a.surface"};
   if (group == "light")
     return {"{\"kelpie\":1,\"lights\":[" + json + "],\"shapes\":[{\"name\":\"a\",\"field\":" + k_point + "}]}", "lights.0"};
   if (group == "shape") return {"{\"kelpie\":1,\"shapes\":[" + json + "]}", "shapes.0"};
@@ -58,8 +58,8 @@ const T& found(const Scene& s) {
     return std::get<Axial<AnimatedMode>>(s.shapes[0].field->kind).axes[0].frames[0];
   else if constexpr (std::is_constructible_v<FieldKinds::Variant<AnimatedMode>, T>)
     return std::get<T>(s.shapes[0].field->kind);
-  else if constexpr (std::is_constructible_v<SurfaceKinds::Variant<AnimatedMode>, T>)
-    return std::get<T>(s.shapes[0].surface);
+  else if constexpr (std::is_constructible_v<MaterialKinds::Variant<AnimatedMode>, T>)
+    return std::get<T>(s.shapes[0].surface->kind);
   else if constexpr (std::is_constructible_v<GeometryKinds::Variant<AnimatedMode>, T>)
     return std::get<T>(*s.shapes[0].geometry);
   else

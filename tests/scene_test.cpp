@@ -243,7 +243,7 @@ TEST(Reader, ReadsColoursOfEverySpace) {
   const auto colour = [&](const std::string& json) {
     const Scene s = folder.read(scene_with_field(R"({"kind":"point","centre":[0,0,0],"radius":1})"),
                                 {{R"(shapes.a.surface={"kind":"metal"})", "shapes.a.surface.colour=" + json}, {}});
-    return std::get<Metal<AnimatedMode>>(s.shapes[0].surface).colour.at(0).rgb;
+    return std::get<Metal<AnimatedMode>>(s.shapes[0].surface->kind).colour.at(0).rgb;
   };
   EXPECT_EQ(colour("[0.25,0.5,1]"), Vec3(0.25f, 0.5f, 1.f));
   EXPECT_EQ(colour(R"({"space":"scene_linear","rgb":[0.25,0.5,1]})"), Vec3(0.25f, 0.5f, 1.f));
@@ -267,7 +267,7 @@ TEST(Reader, SamplesWhatItRead) {
   ASSERT_EQ(f.shapes[0].field.nodes.size(), 2u);
   EXPECT_EQ(std::get<Point<SampledMode>>(f.shapes[0].field.nodes[0]).centre, Vec3(1, 0, 0));
   EXPECT_EQ(std::get<Scale<SampledMode>>(f.shapes[0].field.nodes[1]).by, Vec3(1.5f, 2, 2.5f));
-  EXPECT_EQ(std::get<Metal<SampledMode>>(f.shapes[0].surface).roughness, 0.5f);
+  EXPECT_EQ(std::get<Metal<SampledMode>>(f.materials[f.shapes[0].surface.index]).roughness, 0.5f);
   EXPECT_EQ(std::get<SunLight<SampledMode>>(f.lights[0]).colour.rgb, Vec3(0.25f, 0.125f, 0));
   EXPECT_EQ(sample(scene, 2.9).camera.fov, 20);
   EXPECT_EQ(sample(scene, 3).camera.fov, 40);

@@ -30,9 +30,7 @@ Source: methods.md section 2.)";
   }
   /// A lone operand is the sum; of several, the values matter.
   Demand demand_of_operands(Demand mine, size_t count) const { return count == 1 ? mine : Demand::value; }
-  void shares(std::span<const double> f, double /*threshold*/, std::span<double> shares) const {
-    share_by(f, shares);
-  }
+  void shares(std::span<const double> f, double /*threshold*/, std::span<double> shares) const { share_by(f, shares); }
 };
 
 } // namespace kelpie

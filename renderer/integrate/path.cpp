@@ -146,7 +146,8 @@ Vec3 PathTracer::left_of_light(const Path& path, const Hit& hit) const {
   SurfaceParameters memory;
   const SurfaceParameters& medium = medium_at(*filling, hit, memory);
   if (medium.transmission_weight == 0 || medium.transmission_depth == 0) return Vec3(1);
-  return glm::pow(glm::max(medium.transmission_color.rgb, Vec3(1e-6f)), Vec3(glm::distance(path.start, hit.position) / medium.transmission_depth));
+  return glm::pow(glm::max(medium.transmission_color.rgb, Vec3(1e-6f)),
+                  Vec3(glm::distance(path.start, hit.position) / medium.transmission_depth));
 }
 
 /// The path's ray met nothing.

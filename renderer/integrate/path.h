@@ -33,9 +33,9 @@ struct PathResult {
 struct Path {
   Path(const Ray& camera_ray, const Sampler& s, const RayCone& c) : ray(camera_ray), cone(c), sampler(s) {}
 
-  Ray ray;          ///< to its next vertex
+  Ray ray;                 ///< to its next vertex
   Vec3 start = ray.origin; ///< of the ray, before it passed what cannot be seen
-  RayCone cone;     ///< around it
+  RayCone cone;            ///< around it
   Sampler sampler;
   Vec3 throughput{1};       ///< radiance at the camera, of a unit of radiance along `ray`
   float eta = 1;            ///< refractive index around `ray` over that around the camera

@@ -25,7 +25,8 @@ Surfaces::Surfaces(const FrameScene& frame, const Tracer& tracer) : frame_(frame
       FieldProgram program = compile(shape.texture, shape.threshold, {.with_identities = true});
       s.texture = std::make_shared<const ValueCells>(std::move(program), Box3d{Vec3d(tracer.bounds().lower), Vec3d(tracer.bounds().upper)});
     }
-    s.is_uniform = !s.texture && shape.field.materials.empty() && (!shape.surface.is_set() || kelpie::is_uniform(frame.materials, shape.surface));
+    s.is_uniform =
+        !s.texture && shape.field.materials.empty() && (!shape.surface.is_set() || kelpie::is_uniform(frame.materials, shape.surface));
     if (s.is_uniform && shape.surface.is_set()) s.surface = surface_of(frame.materials, shape.surface);
   }
 }

@@ -59,7 +59,8 @@ public:
     for (size_t i = 1; i < moments_.size(); ++i) moments_[i].code = first().code;
     sort_blobs(moments_, identities_);
     if (options_.with_identities) {
-      const auto all = std::make_shared<const Identities>(Identities{std::move(identities_), identities_of_pieces(first().field), std::move(places_)});
+      const auto all =
+          std::make_shared<const Identities>(Identities{std::move(identities_), identities_of_pieces(first().field), std::move(places_)});
       for (FieldProgram& m : moments_) m.identities = all;
     }
     for (FieldProgram& m : moments_) find_support(m, nullptr, m.support);
@@ -274,7 +275,7 @@ private:
   CompileOptions options_;
   std::vector<LeafIdentity> identities_; ///< of blobs, if they are asked for
   std::vector<MaterialPlace> places_{MaterialPlace{}};
-  std::optional<uint32_t> blend_;        ///< any blend of the tree: they have no parameters, so one stands for all
+  std::optional<uint32_t> blend_; ///< any blend of the tree: they have no parameters, so one stands for all
 };
 
 } // namespace

@@ -17,7 +17,7 @@ public:
     shares_.assign(values_.size(), 0);
     shares_.back() = 1;
     for (size_t i = values_.size(); i-- > 0;)
-      if (shares_[i] > 0) pass_down(code_.steps[i], values_[i], shares_[i]);
+      if (shares_[i] > 0 && values_[i] > 0) pass_down(code_.steps[i], shares_[i]);
   }
 
 private:
@@ -27,34 +27,49 @@ private:
       values_.push_back(evaluate_step(program_, code_, step, point_, spaces_, values_, operands_));
   }
 
-  void pass_down(const Instruction& step, double value, double share) {
+  void pass_down(const Instruction& step, double share) {
     switch (step.kind) {
     case Instruction::Kind::blobs: return pass_to_blobs(step, share);
-    case Instruction::Kind::skeleton:
-      if (value > 0) add(step.first, share);
-      return;
+    case Instruction::Kind::skeleton: return add(step.first, share);
     case Instruction::Kind::combine: return pass_to_operands(step, share);
     }
   }
 
-  void pass_to_blobs(const Instruction& step, double share) {
-    const std::span<const uint32_t> list = code_.blobs.subspan(step.first, step.count);
+  /// Of a step: the potential of each of its blobs.
+  void find_blobs(const Instruction& step) {
     const Point3<double>& local = spaces_.at(program_, step.space, point_);
-    operands_.clear();
-    for (const uint32_t& i : list) operands_.push_back(sum_of_blobs(program_, std::span(&i, 1), local));
-    parts_.resize(operands_.size());
-    share_by(operands_, parts_);
-    for (size_t i = 0; i < list.size(); ++i) add(program_.identities->blobs[list[i]].place, share * parts_[i]);
+    blobs_.clear();
+    for (const uint32_t& i : code_.blobs.subspan(step.first, step.count)) blobs_.push_back(sum_of_blobs(program_, std::span(&i, 1), local));
+  }
+
+  void pass_to_blobs(const Instruction& step, double share) {
+    find_blobs(step);
+    parts_.resize(blobs_.size());
+    share_by(blobs_, parts_);
+    for (size_t i = 0; i < parts_.size(); ++i) add(program_.identities->blobs[code_.blobs[step.first + i]].place, share * parts_[i]);
+  }
+
+  /// What a step counts for in a blend: a sum of blobs as if each stood there by itself, so that blends in one another are one.
+  double value_in_blend(uint32_t position) {
+    const Instruction& step = code_.steps[position];
+    if (step.kind != Instruction::Kind::blobs) return values_[position];
+    find_blobs(step);
+    double sum = 0;
+    for (const double f : blobs_) sum += std::max(0.0, f);
+    return sum;
   }
 
   void pass_to_operands(const Instruction& step, double share) {
     const std::span<const uint32_t> positions = code_.operands.subspan(step.first, step.count);
-    operands_.clear();
-    for (const uint32_t i : positions) operands_.push_back(values_[i]);
-    parts_.resize(operands_.size());
     std::visit(
         [&]<class Kind>(const Kind& kind) {
-          if constexpr (Operator<Kind>) kind.shares(std::span<const double>(operands_), program_.threshold, std::span<double>(parts_));
+          if constexpr (Operator<Kind>) {
+            constexpr bool is_blend = std::is_same_v<Kind, Blend<SampledMode>>;
+            operands_.clear();
+            for (const uint32_t i : positions) operands_.push_back(is_blend ? value_in_blend(i) : values_[i]);
+            parts_.resize(operands_.size());
+            kind.shares(std::span<const double>(operands_), program_.threshold, std::span<double>(parts_));
+          }
         },
         program_.field.nodes[step.node]);
     for (size_t i = 0; i < positions.size(); ++i) shares_[positions[i]] += share * parts_[i];
@@ -95,6 +110,7 @@ private:
   SpacePoints<double> spaces_, other_spaces_;
   std::vector<double> values_, shares_;  ///< of the steps
   std::vector<double> operands_, parts_; ///< of one operator
+  std::vector<double> blobs_;            ///< of one step
   std::vector<uint32_t> places_;         ///< of what is in out_
 };
 

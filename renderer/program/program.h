@@ -40,8 +40,8 @@ struct Instruction {
     combine,  ///< the operator `node` on the values of the steps [first, first + count) of the operand list
   };
   Kind kind = Kind::blobs;
-  uint32_t node = 0;  ///< into FieldProgram::field.nodes
-  uint32_t space = 0; ///< into FieldProgram::spaces: where the blobs or the skeleton live
+  uint32_t node = 0;             ///< into FieldProgram::field.nodes
+  uint32_t space = 0;            ///< into FieldProgram::spaces: where the blobs or the skeleton live
   uint32_t first = 0, count = 0; ///< of a skeleton `first` is its place in Identities::places
   Demand demand = Demand::value; ///< of an operator: what is asked of it in the whole tree
 };
@@ -65,8 +65,8 @@ struct Space {
 
 /// Whose a leaf of a program is.
 struct LeafIdentity {
-  uint32_t node = 0; ///< of the sampled field, as the scene has it: a leaf, a cloud or a complex primitive. Instances share nodes
-  uint32_t part = 0; ///< which of a cloud's blobs or of a complex primitive's pieces; else 0
+  uint32_t node = 0;  ///< of the sampled field, as the scene has it: a leaf, a cloud or a complex primitive. Instances share nodes
+  uint32_t part = 0;  ///< which of a cloud's blobs or of a complex primitive's pieces; else 0
   uint32_t place = 0; ///< into Identities::places: what a blob is made of. Of others their instruction says it
 
   friend bool operator==(const LeafIdentity&, const LeafIdentity&) = default;
@@ -82,8 +82,8 @@ struct MaterialPlace {
 
 /// Whose all leaves are that are not nodes themselves, and what all are made of.
 struct Identities {
-  std::vector<LeafIdentity> blobs;  ///< of each blob of the program
-  std::vector<LeafIdentity> pieces; ///< of each node behind the root of the sampled field; the last, which is none, has any
+  std::vector<LeafIdentity> blobs;   ///< of each blob of the program
+  std::vector<LeafIdentity> pieces;  ///< of each node behind the root of the sampled field; the last, which is none, has any
   std::vector<MaterialPlace> places; ///< the first has no material
 };
 

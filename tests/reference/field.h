@@ -97,6 +97,7 @@ struct Node {
   double angle = 0;                   ///< of a bend, in degrees
   double by = 1;                      ///< of a taper: the factor at its end
   std::shared_ptr<const Axial> axial; ///< prepared
+  int material = -1;                  ///< what it and all below it is made of, but for what says otherwise; -1: as what is above
 };
 
 /// Where p is for the child of a twist: turned back about the axis.

@@ -319,6 +319,7 @@ inline reference::NodePtr reference_of(const SampledField& field, unsigned node,
         }
       },
       field.nodes[node]);
+  if (node < field.materials.size() && field.materials[node].is_set()) out->material = int(field.materials[node].index);
   return out;
 }
 inline reference::NodePtr reference_of(const SampledField& field) {

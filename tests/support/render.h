@@ -12,6 +12,12 @@ inline IntegrateResult render(const FrameScene& scene, const PixelBox& window) {
   const std::vector<Light> lights = make_lights(scene, cache, diagnostics);
   return integrate(scene, Tracer(scene), lights, window, [](double) {});
 }
+/// Gives a shape a surface of its own.
+inline void set_surface(FrameScene& scene, size_t shape, MaterialKinds::Variant<SampledMode> surface) {
+  scene.shapes[shape].surface = {static_cast<uint32_t>(scene.materials.size())};
+  scene.materials.push_back(std::move(surface));
+}
+
 inline IntegrateResult render(const FrameScene& scene) { return render(scene, {0, 0, scene.film.resolution.x, scene.film.resolution.y}); }
 
 } // namespace kelpie
