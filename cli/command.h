@@ -18,6 +18,7 @@ void add_movie(CLI::App&);
 void add_render(CLI::App&);
 void add_schema(CLI::App&);
 void add_sheet(CLI::App&);
+void add_swatches(CLI::App&);
 void add_view(CLI::App&);
 
 /// Prints `warning: …` lines to stderr.

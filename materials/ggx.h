@@ -1,4 +1,3 @@
-// GGX microfacets: normals m of a rough surface, in its local frame. `alpha` is their width, above 0.
 #pragma once
 
 #include <algorithm>
@@ -9,32 +8,54 @@
 
 namespace kelpie {
 
-/// Below this width a lobe is narrower than float directions can tell: a mirror.
-inline constexpr float k_least_alpha = 1e-3f;
+/// GGX microfacets: the normals m of a rough surface (Walter et al. 2007; anisotropic: Heitz 2014), in its local frame. A surface
+/// below the least width is smooth: one normal, z, because float directions cannot tell lobes that narrow from it.
+class Ggx {
+public:
+  static constexpr float k_least_alpha = 1e-3f;
 
-/// Density of the normals (Walter et al. 2007, eq. 33).
-inline float ggx_density(const Vec3& m, float alpha) {
-  const float a2 = alpha * alpha, t = m.z * m.z * (a2 - 1) + 1;
-  return a2 / (std::numbers::pi_v<float> * t * t);
-}
+  /// `alpha`: width along x, along y.
+  explicit Ggx(Vec2 alpha) : alpha_(std::max(alpha.x, alpha.y) < k_least_alpha ? Vec2(0) : glm::max(alpha, Vec2(k_least_alpha))) {}
+  explicit Ggx(float alpha) : Ggx(Vec2(alpha)) {}
+  Ggx() : alpha_(0) {}
 
-/// Smith's Lambda of a direction: G1 = 1 / (1 + Lambda).
-inline float smith_lambda(const Vec3& v, float alpha) {
-  const float z2 = v.z * v.z;
-  return 0.5f * (std::sqrt(1 + alpha * alpha * (1 - z2) / z2) - 1);
-}
+  bool is_smooth() const { return alpha_.x == 0; }
+  Ggx at_least_as_rough_as(float alpha) const { return Ggx(glm::max(alpha_, Vec2(alpha))); }
+  /// The width of isotropic microfacets that lose about as much light where they meet each other.
+  float mean_alpha() const { return alpha_.x == alpha_.y ? alpha_.x : std::sqrt(0.5f * (alpha_.x * alpha_.x + alpha_.y * alpha_.y)); }
 
-/// A normal as seen from `out` (Heitz 2018, "Sampling the GGX distribution of visible normals").
-inline Vec3 sample_visible_normal(const Vec3& out, float alpha, Vec2 u) {
-  const Vec3 stretched = glm::normalize(Vec3(alpha * out.x, alpha * out.y, out.z));
-  const float flat2 = stretched.x * stretched.x + stretched.y * stretched.y;
-  const Vec3 t1 = flat2 > 0 ? Vec3(-stretched.y, stretched.x, 0) / std::sqrt(flat2) : Vec3(1, 0, 0);
-  const Vec3 t2 = glm::cross(stretched, t1);
-  const float r = std::sqrt(u.x), phi = 2 * std::numbers::pi_v<float> * u.y;
-  const float a = r * std::cos(phi), s = 0.5f * (1 + stretched.z);
-  const float b = (1 - s) * std::sqrt(std::max(0.f, 1 - a * a)) + s * r * std::sin(phi);
-  const Vec3 n = a * t1 + b * t2 + std::sqrt(std::max(0.f, 1 - a * a - b * b)) * stretched;
-  return glm::normalize(Vec3(alpha * n.x, alpha * n.y, std::max(1e-6f, n.z)));
-}
+  /// Density of the normals (Walter eq. 33, Heitz eq. 85); its integral times m.z is 1.
+  float density(const Vec3& m) const {
+    const float x = m.x / alpha_.x, y = m.y / alpha_.y, t = x * x + y * y + m.z * m.z;
+    return 1 / (std::numbers::pi_v<float> * alpha_.x * alpha_.y * t * t);
+  }
+  /// Smith's Lambda of a direction on either side: G1 = 1 / (1 + Lambda).
+  float lambda(const Vec3& v) const {
+    const float x = alpha_.x * v.x, y = alpha_.y * v.y;
+    return 0.5f * (std::sqrt(1 + (x * x + y * y) / (v.z * v.z)) - 1);
+  }
+
+  /// The least share of visible normals that contains all which reflect `out` upwards (Eto and Tokuyoshi 2023, eq. 5).
+  float reflecting_share(const Vec3& out) const {
+    const float a = std::min(1.f, std::min(alpha_.x, alpha_.y)), s = 1 + std::sqrt(out.x * out.x + out.y * out.y);
+    const float a2 = a * a, s2 = s * s;
+    return (1 - a2) * s2 / (s2 + a2 * out.z * out.z);
+  }
+  /// A normal as seen from `out`, of the given share of them: a point of a spherical cap (Dupuy and Benyoub 2023).
+  Vec3 sample_visible(const Vec3& out, float share, Vec2 u) const {
+    const Vec3 stretched = glm::normalize(Vec3(alpha_.x * out.x, alpha_.y * out.y, out.z));
+    const float lowest = share * stretched.z, z = (1 - u.y) * (1 + lowest) - lowest;
+    const float sine = std::sqrt(std::max(0.f, 1 - z * z)), phi = 2 * std::numbers::pi_v<float> * u.x;
+    const Vec3 m = stretched + Vec3(sine * std::cos(phi), sine * std::sin(phi), z);
+    return glm::normalize(Vec3(alpha_.x * m.x, alpha_.y * m.y, std::max(1e-6f, m.z)));
+  }
+  /// density(m) * this * dot(out, m) is the density with which sample_visible chooses m.
+  float visible_factor(const Vec3& out, float share) const {
+    return 2 / (share * out.z + glm::length(Vec3(alpha_.x * out.x, alpha_.y * out.y, out.z)));
+  }
+
+private:
+  Vec2 alpha_; ///< 0: smooth
+};
 
 } // namespace kelpie

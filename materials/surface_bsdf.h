@@ -1,31 +1,65 @@
 #pragma once
-#include "materials/matte.h"
-#include "materials/metal.h"
+
+#include "materials/bsdf.h"
+#include "materials/coat.h"
+#include "materials/diffuse.h"
+#include "materials/openpbr.h"
+#include "materials/specular.h"
+
 namespace kelpie {
-/// What lies on both sides of a surface.
+
+/// The media that a surface lies between, as its viewer sees them.
 struct Boundary {
-  float ior_near = 1, ior_far = 1; ///< indices of refraction of the media on the viewer's side and beyond
-  bool from_inside = false;        ///< seen from within the shape
+  float ior_near = 1;       ///< index of refraction on the viewer's side
+  float ior_far = 1;        ///< beyond the surface; of an opaque dielectric its own
+  bool from_inside = false; ///< the viewer is in what the surface encloses
+
+  /// A surface in air, seen from outside.
+  static Boundary in_air(const SurfaceParameters& surface) { return {1, surface.specular_ior, false}; }
 };
+
+/// What a surface does with light: OpenPBR's base and coat. From above: a coat's reflection; microfacets of a metal, of a
+/// dielectric or of both; below a dielectric a diffuse ground, or the other side. A layer gets what the one above it leaves of light
+/// from all around (albedo scaling), so no light is made or lost, at the price of reciprocity.
+///
+/// From inside there is only the clear dielectric. An opaque surface is the same from both sides.
 class SurfaceBsdf {
 public:
-  explicit SurfaceBsdf(const SurfaceParameters& s, const Boundary& = {})
-      : metal_(s.base_metalness > 0.5f), m_(s.base_color.rgb), g_(s.base_color.rgb, s.specular_roughness * s.specular_roughness) {}
-  Vec3 albedo() const { return metal_ ? g_.albedo() : m_.albedo(); }
-  bool is_delta() const { return metal_ && g_.is_delta(); }
-  bool is_glossy() const { return metal_; }
-  SurfaceBsdf at_least_as_rough_as(float a) const {
-    SurfaceBsdf b = *this;
-    b.g_ = g_.at_least_as_rough_as(a);
-    return b;
+  explicit SurfaceBsdf(const SurfaceParameters& s) : SurfaceBsdf(s, Boundary::in_air(s)) {}
+  SurfaceBsdf(const SurfaceParameters&, const Boundary&);
+
+  const Vec3& albedo() const { return albedo_; }
+  bool is_delta() const {
+    return !(lobes_ & k_diffuse) && (!has_specular() || specular_.is_smooth()) && (!has_coat() || coat_.lobe().is_smooth());
   }
-  Vec3 evaluate(const Vec3& o, const Vec3& i) const { return metal_ ? g_.evaluate(o, i) : m_.evaluate(o, i); }
-  float pdf(const Vec3& o, const Vec3& i) const { return metal_ ? g_.pdf(o, i) : m_.pdf(o, i); }
-  BsdfSample sample(const Vec3& o, float l, Vec2 u) const { return metal_ ? g_.sample(o, l, u) : m_.sample(o, l, u); }
+  bool is_glossy() const { return lobes_ != k_diffuse; }
+  SurfaceBsdf at_least_as_rough_as(float alpha) const;
+
+  Vec3 evaluate(const Vec3& out, const Vec3& in) const;
+  float pdf(const Vec3& out, const Vec3& in) const;
+  BsdfSample sample(const Vec3& out, float lobe, Vec2 u) const;
 
 private:
-  bool metal_;
-  MatteBsdf m_;
-  MetalBsdf g_;
+  enum Lobe : unsigned { k_diffuse = 1, k_specular = 2, k_coat = 4 };
+  struct Layers;
+
+  bool has_diffuse() const { return lobes_ & k_diffuse; }
+  bool has_specular() const { return lobes_ & k_specular; }
+  bool has_coat() const { return lobes_ & k_coat; }
+  void make_clear(const SurfaceParameters&, const Boundary&);
+  void make_layers(const SurfaceParameters&, const Boundary&);
+  Layers layers(const Vec3& out) const;
+  Vec3 evaluate(const Layers&, const Vec3& out, const Vec3& in) const;
+  float pdf(const Layers&, const Vec3& out, const Vec3& in) const;
+
+  unsigned lobes_ = k_diffuse;
+  float ground_ = 1; ///< share of the surface that is a diffuse ground
+  Vec3 albedo_{0};
+  DiffuseLobe diffuse_;
+  SpecularLobe specular_;
+  Coat coat_;
 };
+
+static_assert(BsdfModel<SurfaceBsdf>);
+
 } // namespace kelpie

@@ -18,8 +18,6 @@ struct Reserved {
 };
 
 inline constexpr std::array k_reserved{
-    Reserved{ReservedAs::kind, "surface", "glass"},
-    Reserved{ReservedAs::key, "shape", "texture"},
     Reserved{ReservedAs::value, "aovs", "cryptomatte"},
     Reserved{ReservedAs::value, "correspondence", "hierarchical"},
 };

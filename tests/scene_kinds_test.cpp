@@ -30,6 +30,8 @@ Place place_of(std::string_view group, const std::string& json) {
     return {shape + R"("field":{"kind":"axial","axes":[{"rest":[[0,0,0],[0,1,0]],"deformed":[[0,0,0],[1,0,0]],"radius":1,"frames":[)" +
                 json + R"(]}],"child":)" + k_point + "}}]}",
             "shapes.a.field.axes.0.frames.0"};
+  if (group == "stop")
+    return {shape + "\"field\":" + k_point + R"(,"surface":{"kind":"marble","stops":[)" + json + "]}}]}", "shapes.a.surface.stops.0"};
   if (group == "geometry") return {shape + "\"geometry\":" + json + "}]}", "shapes.a.geometry"};
   if (group == "material") return {shape + "\"field\":" + k_point + ",\"surface\":" + json + "}]}", "shapes.a.surface"};
   if (group == "light")
@@ -58,6 +60,8 @@ const T& found(const Scene& s) {
     return std::get<Axial<AnimatedMode>>(s.shapes[0].field->kind).axes[0].frames[0];
   else if constexpr (std::is_constructible_v<FieldKinds::Variant<AnimatedMode>, T>)
     return std::get<T>(s.shapes[0].field->kind);
+  else if constexpr (std::is_same_v<T, Stop<AnimatedMode>>)
+    return std::get<Marble<AnimatedMode>>(s.shapes[0].surface->kind).stops[0];
   else if constexpr (std::is_constructible_v<MaterialKinds::Variant<AnimatedMode>, T>)
     return std::get<T>(s.shapes[0].surface->kind);
   else if constexpr (std::is_constructible_v<GeometryKinds::Variant<AnimatedMode>, T>)
@@ -228,7 +232,7 @@ TEST(EveryKind, HasADefinitionInTheSchema) {
     const std::string name = c.is_kind ? fmt::format("{}.{}", c.group, T::k_name) : std::string(T::k_name);
     const JsonValue* definition = std::is_same_v<T, Scene> ? &root : root.find("$defs")->find(name);
     ASSERT_TRUE(definition) << name;
-    EXPECT_EQ(definition->find("properties")->object()->size(), std::tuple_size_v<decltype(T::parameters())> + c.is_kind);
+    EXPECT_EQ(definition->find("properties")->object()->size(), std::tuple_size_v<decltype(T::parameters())> + c.is_kind + may_have_material<T>());
     EXPECT_FALSE(*definition->find("additionalProperties")->boolean());
   });
 }

@@ -97,7 +97,6 @@ TEST(Reader, RefusesWrongCurves) {
 
 TEST(Reader, RefusesWrongSurfaces) {
   const WrongInput cases[] = {
-      {R"({"kind":"glass"})", "scene.json:2:9: the surface \"glass\" is known but not built yet"},
       {R"({"kind":"matte","colour":"red"})",
        "scene.json:2:26: colour: expected [r, g, b], \"#rrggbb\" or {\"space\": …, \"rgb\": [r, g, b]}, found \"red\""},
       {R"({"kind":"matte","colour":"#-12345"})",
@@ -152,8 +151,6 @@ TEST(Reader, RefusesWrongShapes) {
       {R"([{"name":"a","geometry":{"kind":"plane"},"field":{"kind":"point","centre":[0,0,0],"radius":1}}])",
        "scene.json:2:42: \"field\" and \"geometry\" exclude each other"},
       {R"([{"name":"a","geometry":{"kind":"plane","normal":[0,0,0]}}])", "scene.json:2:50: normal may not be the zero vector"},
-      {R"([{"name":"a","geometry":{"kind":"plane"},"texture":{"kind":"marble"}}])",
-       "scene.json:2:42: \"texture\" is known but not built yet"},
   };
   expect_errors(cases, R"({"kelpie":1,"shapes":)", "}");
 }

@@ -32,8 +32,8 @@ public:
     return ray;
   }
 
-  /// Around the ray through a pixel: what the pixel sees.
-  RayCone cone() const { return {0, pixel_}; }
+  /// Around each of so many rays through a pixel: what it stands for. Half a pixel at least, as the pixel's filter is wider than that.
+  RayCone cone(int spp) const { return {0, pixel_ * std::max(0.5f, 1 / std::sqrt(static_cast<float>(spp)))}; }
 
   /// Where the film sees a point that lies in front of the camera, in pixels.
   Vec2 film_of(const Vec3& p) const {
@@ -61,7 +61,7 @@ public:
         resolution_(frame.film.resolution), standing_(states_[0], resolution_) {}
 
   CameraRays at(float time) const { return states_.size() == 1 ? standing_ : CameraRays(state_at(states_, time), resolution_); }
-  RayCone cone() const { return standing_.cone(); }
+  RayCone cone(int spp) const { return standing_.cone(spp); }
   /// Around all its positions.
   Box3 bounds() const {
     Box3 box;

@@ -171,7 +171,7 @@ private:
     batch.paths.clear(), batch.rays.clear();
     for (const uint32_t i : indices) {
       const Sample& s = batch.samples[i];
-      batch.paths.emplace_back(camera_ray(s, place(box, s.pixel)), s.sampler, camera_.cone());
+      batch.paths.emplace_back(camera_ray(s, place(box, s.pixel)), s.sampler, camera_.cone(frame_.film.spp));
       batch.rays.push_back(batch.paths.back().ray);
     }
     trace(indices, batch, pixels, tally.rays);
