@@ -6,6 +6,7 @@
 #include <tbb/global_control.h>
 
 #include "base/atomic_file.h"
+#include "base/file_bytes.h"
 #include "base/suggest.h"
 #include "base/temporary_folder.h"
 #include "cli/command.h"
@@ -132,7 +133,7 @@ void make_swatches(const SwatchOptions& o) {
 
   TemporaryFolder folder;
   const std::string scene_path = folder.file("swatch.json");
-  write_file_atomically(scene_path, k_scene);
+  write_file_atomically(scene_path, as_bytes(k_scene));
   SwatchOptions with_file = o;
   std::vector<std::string> set;
   if (!o.materials.empty()) {

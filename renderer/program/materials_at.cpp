@@ -15,9 +15,9 @@ public:
     if (code_.steps.empty()) return;
     evaluate_steps();
     shares_.assign(values_.size(), 0);
-    shares_.back() = 1;
+    shares_.back() = values_.back() > 0; // else there is nothing
     for (size_t i = values_.size(); i-- > 0;)
-      if (shares_[i] > 0 && values_[i] > 0) pass_down(code_.steps[i], shares_[i]);
+      if (shares_[i] > 0) pass_down(code_.steps[i], shares_[i]);
   }
 
 private:
@@ -61,10 +61,10 @@ private:
 
   void pass_to_operands(const Instruction& step, double share) {
     const std::span<const uint32_t> positions = code_.operands.subspan(step.first, step.count);
+    const bool is_blend = std::holds_alternative<Blend<SampledMode>>(program_.field.nodes[step.node]);
     std::visit(
         [&]<class Kind>(const Kind& kind) {
           if constexpr (Operator<Kind>) {
-            constexpr bool is_blend = std::is_same_v<Kind, Blend<SampledMode>>;
             operands_.clear();
             for (const uint32_t i : positions) operands_.push_back(is_blend ? value_in_blend(i) : values_[i]);
             parts_.resize(operands_.size());
@@ -72,7 +72,8 @@ private:
           }
         },
         program_.field.nodes[step.node]);
-    for (size_t i = 0; i < positions.size(); ++i) shares_[positions[i]] += share * parts_[i];
+    for (size_t i = 0; i < positions.size(); ++i)
+      if (is_blend || values_[positions[i]] > 0) shares_[positions[i]] += share * parts_[i];
   }
 
   void add(uint32_t place, double share) {

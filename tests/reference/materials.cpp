@@ -92,8 +92,9 @@ std::vector<double> shares_of(const Node& node, Vec p, double threshold) {
 void find(const Node& node, Vec p, Matter matter, double threshold, double share, std::vector<MaterialPart>& out) {
   std::vector<Term> terms;
   find_terms(node, p, matter, threshold, terms);
-  double sum = 0;
-  for (const Term& t : terms) sum += std::max(0.0, t.value);
+  double sum = 0, total = 0;
+  for (const Term& t : terms) sum += std::max(0.0, t.value), total += t.value;
+  if (total <= 0) return; // there is nothing
   for (const Term& t : terms) {
     if (!(t.value > 0)) continue;
     const double part = share * t.value / sum;
