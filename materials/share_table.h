@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -17,9 +17,10 @@ struct PhaseDomain {
 
 /// The means of a function of the phase, and of the shares of the stops at its values, for phases that are normally distributed.
 ///
-/// A pyramid: each level has half the entries of the one before, smoothed by (1 3 3 1) / 8, and between levels the variance is linear,
-/// so that variances are exact, the mean over the whole domain is the same on all levels, and nothing here needs more than IEEE
-/// arithmetic. (Rejected: differences of integrals, boxes: beyond a period they leave a ripple of 1 / width.)
+/// A pyramid: each level is smoother than the one before, by about a factor of two in variance, and every second has half the entries.
+/// Smoothing mirrors at the ends of an interval, so that the mean over the whole domain is the same on all levels. Between levels the
+/// result is linear in the variance. Nothing here needs more than IEEE arithmetic. (Rejected: differences of integrals, which are
+/// boxes: beyond a period they leave a ripple of 1 / width.)
 class ShareTable {
 public:
   /// Of `profile`, phase to value in [0, 1], and stops at the values `at`, ascending.
@@ -35,7 +36,11 @@ public:
       }
       for (const float sum : row) entries_.push_back(sum / k_samples);
     }
-    for (size_t size = k_entries; size > 1; size /= 2) add_level(size);
+    levels_.push_back({0, k_entries, k_interpolated});
+    while (levels_.back().size > 1) {
+      add_smoothed(levels_.back(), 3);
+      add_halved(levels_.back());
+    }
   }
 
   size_t stop_count() const { return stops_; }
@@ -55,7 +60,12 @@ public:
 
 private:
   static constexpr size_t k_entries = 512, k_samples = 4;
-  static constexpr int k_last_level = 9;
+  static constexpr float k_interpolated = 1 / 6.f; ///< the mean variance that linear interpolation adds, in squared steps
+
+  struct Level {
+    size_t first, size; ///< rows
+    float variance;     ///< by which it is smoothed, in squared steps of the finest
+  };
 
   /// Value and shares of one value: hats between neighbouring stops, steps where two are at one place.
   void add_stops(float value, std::span<const float> at, std::vector<float>& row) const {
@@ -72,53 +82,71 @@ private:
     }
   }
 
-  void add_level(size_t size) {
-    const size_t from = entries_.size() - size * columns_;
-    for (size_t i = 0; i < size; i += 2) {
-      const auto row = [&](size_t entry, size_t forward) { // `entry` + `forward` - 1, about the ends
-        const size_t wanted =
-            domain_.is_periodic ? (entry + forward + size - 1) % size : std::min(std::max<size_t>(entry + forward, 1) - 1, size - 1);
-        return from + wanted * columns_;
-      };
+  /// Where the row at `place` of a level is, which may be beyond its ends.
+  size_t row(const Level& level, ptrdiff_t place) const {
+    const auto size = static_cast<ptrdiff_t>(level.size);
+    const ptrdiff_t wanted = domain_.is_periodic ? (place + size) % size : std::clamp<ptrdiff_t>(place, 0, size - 1);
+    return (level.first + static_cast<size_t>(wanted)) * columns_;
+  }
+  size_t row_count() const { return entries_.size() / columns_; }
+
+  /// A level with as many entries, smoothed by (1 2 1) / 4 so many times.
+  void add_smoothed(const Level& from, int passes) {
+    const float step = static_cast<float>(k_entries / from.size);
+    const Level level{row_count(), from.size, from.variance + 0.5f * static_cast<float>(passes) * step * step};
+    entries_.insert(entries_.end(), entries_.begin() + static_cast<ptrdiff_t>(from.first * columns_),
+                    entries_.begin() + static_cast<ptrdiff_t>((from.first + from.size) * columns_));
+    smooth(level, passes);
+    levels_.push_back(level);
+  }
+  /// A level with half the entries, smoothed by (1 3 3 1) / 8, and then by (1 2 1) / 4.
+  void add_halved(const Level& from) {
+    const float step = static_cast<float>(k_entries / from.size);
+    const Level level{row_count(), from.size / 2, from.variance + (0.75f + 4 * (0.5f + k_interpolated) - k_interpolated) * step * step};
+    for (ptrdiff_t i = 0; i < static_cast<ptrdiff_t>(from.size); i += 2)
       for (size_t c = 0; c < columns_; ++c)
-        entries_.push_back((entries_[row(i, 0) + c] + 3 * entries_[row(i, 1) + c] + 3 * entries_[row(i, 2) + c] + entries_[row(i, 3) + c]) /
+        entries_.push_back((entries_[row(from, i - 1) + c] + 3 * entries_[row(from, i) + c] + 3 * entries_[row(from, i + 1) + c] +
+                            entries_[row(from, i + 2) + c]) /
                            8);
+    smooth(level, 1);
+    levels_.push_back(level);
+  }
+  void smooth(const Level& level, int passes) {
+    std::vector<float> before;
+    for (; passes > 0; --passes) {
+      before = entries_;
+      for (ptrdiff_t i = 0; i < static_cast<ptrdiff_t>(level.size); ++i)
+        for (size_t c = 0; c < columns_; ++c)
+          entries_[row(level, i) + c] = (before[row(level, i - 1) + c] + 2 * before[row(level, i) + c] + before[row(level, i + 1) + c]) / 4;
     }
   }
 
   /// Calls use(row, weight) for the four entries whose weighted sum is the mean.
   template <class Use>
   void visit(float phase, float variance, const Use& use) const {
-    // Level l has the variance (4^l - 1) / 4 of entries squared.
-    const float entry = k_entries / (domain_.upper - domain_.lower);
-    const float scaled = std::min(4 * variance * entry * entry + 1, 0x1p18f);
-    int level = 0;
-    float least = 1; // 4^level
-    for (; level < k_last_level - 1 && scaled >= 4 * least; least *= 4) ++level;
-    const float second = (scaled - least) / (3 * least);
-    visit_level(phase, level, 1 - second, use);
-    if (second > 0) visit_level(phase, level + 1, second, use);
+    const float steps = k_entries / (domain_.upper - domain_.lower), wanted = variance * steps * steps;
+    size_t next = 1;
+    while (next + 1 < levels_.size() && levels_[next].variance < wanted) ++next;
+    const Level &sharp = levels_[next - 1], &smooth = levels_[next];
+    const float weight = std::clamp((wanted - sharp.variance) / (smooth.variance - sharp.variance), 0.f, 1.f);
+    if (weight < 1) visit_level(phase, sharp, 1 - weight, use);
+    if (weight > 0) visit_level(phase, smooth, weight, use);
   }
   template <class Use>
-  void visit_level(float phase, int level, float weight, const Use& use) const {
-    const int size = static_cast<int>(k_entries) >> level;
+  void visit_level(float phase, const Level& level, float weight, const Use& use) const {
     float place = (phase - domain_.lower) / (domain_.upper - domain_.lower);
     place = domain_.is_periodic ? place - std::floor(place) : std::clamp(place, 0.f, 1.f);
-    place = place * static_cast<float>(size) + 0.5f; // entry i is at i + 1/2; counted from -1
-    const int whole = static_cast<int>(place);
+    place = place * static_cast<float>(level.size) + 0.5f; // entry i is at i + 1/2; counted from -1
+    const auto whole = static_cast<ptrdiff_t>(place);
     const float fraction = place - static_cast<float>(whole);
-    const auto row = [&](int i) {
-      i = domain_.is_periodic ? (i + size) % size : std::clamp(i, 0, size - 1);
-      const size_t skipped = 2 * (k_entries - static_cast<size_t>(size)); // all finer levels
-      return entries_.data() + (skipped + static_cast<size_t>(i)) * columns_;
-    };
-    use(row(whole - 1), weight * (1 - fraction));
-    use(row(whole), weight * fraction);
+    use(entries_.data() + row(level, whole - 1), weight * (1 - fraction));
+    use(entries_.data() + row(level, whole), weight * fraction);
   }
 
   PhaseDomain domain_;
   size_t stops_, columns_; ///< a row: the value, then the share of each stop
   std::vector<float> entries_;
+  std::vector<Level> levels_;
 };
 
 } // namespace kelpie
