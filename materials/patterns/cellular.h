@@ -4,7 +4,7 @@
 #include <array>
 
 #include "materials/patterns/solid_texture.h"
-#include "materials/worley.h"
+#include "materials/patterns/worley.h"
 
 namespace kelpie {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "materials/noise.h"
-#include "materials/surface_point.h"
+#include "materials/patterns/footprint.h"
+#include "materials/patterns/noise.h"
 
 namespace kelpie {
 

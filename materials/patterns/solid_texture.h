@@ -2,7 +2,7 @@
 //
 // A pattern describes what there is over a footprint as a mixture of phases, each spread normally: the mean, the variance, the weight.
 // Its `profile` takes a phase to a value in [0, 1], and stops lie at values. The shares of stops over a footprint, not the stop at
-// the mean value, come from a table of the profile (materials/share_table.h), made once a moment.
+// the mean value, come from a table of the profile (materials/patterns/share_table.h), made once a moment.
 #pragma once
 
 #include <array>
@@ -10,9 +10,9 @@
 #include <memory>
 #include <vector>
 
-#include "materials/pattern.h"
+#include "materials/patterns/pattern.h"
 #include "materials/patterns/place.h"
-#include "materials/share_table.h"
+#include "materials/patterns/share_table.h"
 
 namespace kelpie {
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "base/vec.h"
-#include "materials/surface_point.h"
+#include "materials/patterns/footprint.h"
 
 namespace kelpie {
 
