@@ -26,7 +26,7 @@ the part `flakes` of it. Turbulence makes the borders of crystals uneven.)";
 
   Value<Mode, float> flakes{0.1f};
 
-  Granite() : SolidTexture<Granite, Mode>({.size = 0.12f, .turbulence = 0.1f, .turbulence_size = 0.7f, .turbulence_octaves = 2}) {}
+  Granite() : SolidTexture<Granite, Mode>({.size = 0.12f, .turbulence = 0.08f, .turbulence_size = 0.7f, .turbulence_octaves = 2}) {}
 
   static constexpr auto parameters() {
     return std::tuple_cat(std::tuple{parameter("flakes", &Granite::flakes, "their part of the stone").at_least(0).at_most(1)},
@@ -41,9 +41,9 @@ the part `flakes` of it. Turbulence makes the borders of crystals uneven.)";
       mixture.cover({1}, flakes);
       return mixture;
     }
-    const Place bent = this->turbulent(place), fine = bent.scaled(4);
+    const Place bent = this->turbulent(place).turned(), fine = bent.scaled(4);
     const TwoCells crystals(bent, this->stream(2));
-    const NoiseSample tone = fractal_noise(fine.p, fine.footprint, {.octaves = 1, .seed = this->stream(4)});
+    const NoiseSample tone = fine.noise({.octaves = 1, .seed = this->stream(4)});
     const float shade = k_tone * tone.value, variance = k_tone * k_tone * (tone.variance + fine.variance(tone.gradient));
     PhaseMixture mixture(SpreadPhase{unit_of(crystals.cell.first.id) + shade, variance});
     mixture.cover({unit_of(crystals.cell.second.id) + shade, variance}, 1 - crystals.part);

@@ -37,10 +37,8 @@ Source: Perlin, "An image synthesizer" (1985).)";
   // Sampled:
   PhaseMixture mixture(const Place& place) const {
     PhaseMixture mixture(phase(place));
-    if (patches > 0) {
-      const NoiseSample noise = fractal_noise(0.8f * place.p, place.scaled(0.8f).footprint, {.octaves = 1, .seed = this->stream(2)});
-      mixture.cover({k_ground}, patches * (1 + squashed(noise.value)));
-    }
+    if (patches > 0)
+      mixture.cover({k_ground}, 2 * patches * place.scaled(0.8f).part_above(0, 0.8f, {.octaves = 1, .seed = this->stream(2)}));
     return mixture;
   }
 

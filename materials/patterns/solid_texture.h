@@ -2,7 +2,7 @@
 //
 // A pattern describes what there is over a footprint as a mixture of phases, each spread normally: the mean, the variance, the weight.
 // Its `profile` takes a phase to a value in [0, 1], and stops lie at values. The shares of stops over a footprint, not the stop at
-// the mean value, come from a table of the profile (materials/share_table.h), made once a moment.
+// the mean value, come from a table of the profile (materials/patterns/share_table.h), made once a moment.
 #pragma once
 
 #include <array>
@@ -10,9 +10,9 @@
 #include <memory>
 #include <vector>
 
-#include "materials/noise.h"
-#include "materials/pattern.h"
-#include "materials/share_table.h"
+#include "materials/patterns/pattern.h"
+#include "materials/patterns/place.h"
+#include "materials/patterns/share_table.h"
 
 namespace kelpie {
 
@@ -38,46 +38,6 @@ struct PhaseMixture {
 
 /// All phases of a domain alike.
 inline constexpr SpreadPhase k_all_phases{0.5f, 1e6f};
-
-/// Where a pattern is looked at, in units of its size.
-struct Place {
-  Vec3 p{0};
-  Footprint footprint{};
-  float blur = 0; ///< variance of p in every direction beside that of the footprint
-
-  /// The variance of something with this gradient.
-  float variance(const Vec3& gradient) const {
-    const float along_u = glm::dot(gradient, footprint.u), along_v = glm::dot(gradient, footprint.v);
-    return (along_u * along_u + along_v * along_v) / 12 + glm::dot(gradient, gradient) * blur;
-  }
-  /// The narrower side.
-  float width() const { return std::sqrt(std::min(glm::dot(footprint.u, footprint.u), glm::dot(footprint.v, footprint.v)) + 12 * blur); }
-  Place scaled(float factor) const { return {p * factor, {footprint.u * factor, footprint.v * factor}, blur * factor * factor}; }
-  /// Stretched along the axes.
-  Place scaled(const Vec3& factor) const {
-    const float most = std::max({factor.x, factor.y, factor.z});
-    return {p * factor, {footprint.u * factor, footprint.v * factor}, blur * most * most};
-  }
-  Place moved(const Vec3& offset) const { return {p + offset, footprint, blur}; }
-
-  /// Moved by a random vector: each component has the standard deviation `amount`, and features `size` wide.
-  Place displaced(float amount, float size, float octaves, uint32_t seed) const {
-    if (amount == 0) return *this;
-    Place moved = *this;
-    const Place noise_place = scaled(1 / size);
-    float variance = 0;
-    for (uint32_t axis = 0; axis < 3; ++axis) {
-      const NoiseSample noise = fractal_noise(noise_place.p, noise_place.footprint, {.octaves = octaves, .seed = seed + 100 * axis});
-      const Vec3 slope = noise.gradient * (amount / size);
-      moved.p[axis] += amount * noise.value;
-      moved.footprint.u[axis] += glm::dot(slope, footprint.u);
-      moved.footprint.v[axis] += glm::dot(slope, footprint.v);
-      variance += noise.variance;
-    }
-    moved.blur += amount * amount * variance / 3;
-    return moved;
-  }
-};
 
 /// What differs from pattern to pattern of the parameters that all have.
 struct PatternDefaults {
@@ -164,7 +124,7 @@ protected:
   SpreadPhase turbulent(const Place& place, float phase, const Vec3& gradient) const {
     if (this->turbulence == 0) return {phase, place.variance(gradient)};
     const Place noise_place = place.scaled(1 / this->turbulence_size);
-    const NoiseSample noise = fractal_noise(noise_place.p, noise_place.footprint, {.octaves = this->turbulence_octaves, .seed = stream(0)});
+    const NoiseSample noise = noise_place.noise({.octaves = this->turbulence_octaves, .seed = stream(0)});
     const Vec3 slope = noise.gradient * (this->turbulence / this->turbulence_size);
     return {phase + this->turbulence * noise.value,
             place.variance(gradient + slope) + this->turbulence * this->turbulence * noise.variance};

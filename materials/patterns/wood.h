@@ -39,7 +39,8 @@ Fibres also darken fine streaks.)";
     const NoiseSample streaks = this->streaks(place);
     PhaseMixture mixture(phase(place, streaks));
     const float dark = 0.93f / k_rings; // in the late wood of the first ring
-    mixture.cover({dark}, 0.55f * fibres * (1 + squashed(1.5f * streaks.value)));
+    mixture.cover({dark},
+                  1.1f * fibres * normal_below(streaks.value / std::sqrt(0.3f + streaks.variance + place.variance(streaks.gradient))));
     return mixture;
   }
 
@@ -67,10 +68,8 @@ private:
   NoiseSample streaks(const Place& place) const {
     constexpr float k_across = 7, k_along = 0.25f;
     const Vec3 along = glm::normalize(axis);
-    const auto stretched = [&](const Vec3& v) { return k_across * v + ((k_along - k_across) * glm::dot(along, v)) * along; };
-    NoiseSample noise = fractal_noise(stretched(place.p), {stretched(place.footprint.u), stretched(place.footprint.v)},
-                                      {.octaves = 2, .gain = 0.6f, .seed = this->stream(2)});
-    noise.gradient = stretched(noise.gradient);
+    NoiseSample noise = place.scaled(along, k_along, k_across).noise({.octaves = 2, .gain = 0.6f, .seed = this->stream(2)});
+    noise.gradient = Place{noise.gradient}.scaled(along, k_along, k_across).p;
     return noise;
   }
 

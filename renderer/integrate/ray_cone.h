@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "materials/surface_point.h"
+#include "materials/patterns/footprint.h"
 
 namespace kelpie {
 

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "base/vec.h"
-#include "materials/noise.h"
+#include "materials/patterns/noise.h"
 
 namespace kelpie {
 

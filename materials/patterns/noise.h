@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "base/vec.h"
-#include "materials/surface_point.h"
+#include "materials/patterns/footprint.h"
 
 namespace kelpie {
 
@@ -110,8 +110,15 @@ inline NoiseSample gradient_noise(const Vec3& p, uint32_t seed) {
   return {sum(value), Vec3(sum(gradient_x), sum(gradient_y), sum(gradient_z))};
 }
 
-/// An odd function to (-1, 1): where the distribution of noise is even, its mean stays 0.
-inline float squashed(float noise) { return noise / std::sqrt(1 + noise * noise); }
+/// The part of a normal distribution of mean 0 and variance 1 that is below x: within 3e-7 (Abramowitz and Stegun, 7.1.28).
+inline float normal_below(float x) {
+  const float t = std::abs(x) * 0.70710678f;
+  float q =
+      1 + t * (0.0705230784f + t * (0.0422820123f + t * (0.0092705272f + t * (0.0001520143f + t * (0.0002765672f + t * 0.0000430638f)))));
+  for (int i = 0; i < 4; ++i) q *= q;
+  const float beyond = 0.5f / q;
+  return x < 0 ? beyond : 1 - beyond;
+}
 
 /// 1 where less than two units, and more, of a pattern are in a footprint `width` wide: from there on it is its mean; 0 where one sees it.
 inline float unseen(float width) {
@@ -142,16 +149,18 @@ struct OctaveFilter {
   }
 };
 
+/// Turned so that neither the axes nor the planes between them are special to a lattice; and back.
+inline Vec3 turned(const Vec3& q) {
+  return Vec3(0.8f * q.y + 0.6f * q.z, -0.8f * q.x + 0.36f * q.y - 0.48f * q.z, -0.6f * q.x - 0.48f * q.y + 0.64f * q.z);
+}
+inline Vec3 turned_back(const Vec3& q) {
+  return Vec3(-0.8f * q.y - 0.6f * q.z, 0.8f * q.x + 0.36f * q.y - 0.48f * q.z, 0.6f * q.x - 0.48f * q.y + 0.64f * q.z);
+}
+
 /// The sum of octaves with variance 1 (and features about one unit wide, and finer). Octaves are turned against each other, so that
-/// no axis and no lattice is seen.
-inline NoiseSample fractal_noise(const Vec3& p, const Footprint& footprint, const Fractal& fractal) {
+/// no axis and no lattice is seen. `blur` is a variance of p in every direction, beside the footprint's.
+inline NoiseSample fractal_noise(const Vec3& p, const Footprint& footprint, const Fractal& fractal, float blur = 0) {
   static constexpr int k_most = 12;
-  const auto turned = [](const Vec3& q) {
-    return Vec3(0.8f * q.y + 0.6f * q.z, -0.8f * q.x + 0.36f * q.y - 0.48f * q.z, -0.6f * q.x - 0.48f * q.y + 0.64f * q.z);
-  };
-  const auto turned_back = [](const Vec3& q) {
-    return Vec3(-0.8f * q.y - 0.6f * q.z, 0.8f * q.x + 0.36f * q.y - 0.48f * q.z, 0.6f * q.x - 0.48f * q.y + 0.64f * q.z);
-  };
   struct Octave {
     Vec3 p;
     float amplitude, u2, v2;
@@ -159,7 +168,7 @@ inline NoiseSample fractal_noise(const Vec3& p, const Footprint& footprint, cons
   std::array<Octave, k_most> octaves;
   int count = 0;
   float power = 0, amplitude = 1;
-  Octave octave{p, 1, glm::dot(footprint.u, footprint.u), glm::dot(footprint.v, footprint.v)};
+  Octave octave{p, 1, glm::dot(footprint.u, footprint.u) + 12 * blur, glm::dot(footprint.v, footprint.v) + 12 * blur};
   for (float left = std::min(std::max(fractal.octaves, 1.f), static_cast<float>(k_most)); left > 0; left -= 1) {
     octave.p = turned(octave.p) + Vec3(0.37f, 0.59f, 0.71f); // the origin is no lattice point
     octave.amplitude = amplitude * std::min(left, 1.f);

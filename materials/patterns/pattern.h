@@ -4,8 +4,8 @@
 #include <concepts>
 #include <span>
 
-#include "materials/ramp.h"
-#include "materials/surface_point.h"
+#include "materials/patterns/footprint.h"
+#include "materials/patterns/ramp.h"
 
 namespace kelpie {
 

@@ -1,7 +1,6 @@
-// Where a material is looked at.
+// What a pixel sees of a surface.
 #pragma once
 
-#include "base/affine.h"
 #include "base/vec.h"
 
 namespace kelpie {

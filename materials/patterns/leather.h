@@ -1,0 +1,47 @@
+#pragma once
+
+#include "materials/patterns/cellular.h"
+
+namespace kelpie {
+
+template <class Mode>
+struct Leather : SolidTexture<Leather, Mode> {
+  static constexpr std::string_view k_name = "leather";
+  static constexpr std::string_view k_doc = R"(Leather, or skin: plump cells between creases.
+
+    phase   = the part of space that is nearer to a border of Worley's cells of p / size + turbulence * noise(p)
+    profile: from 0 in the creases to 1 on the plump cells; creases are the part `creases` of space
+
+Good as a bump too.)";
+  static constexpr std::array<PlainStop, 4> k_default_stops{{{0, 0.012f, 0.006f, 0.004f, 0.7f},
+                                                             {0.4f, 0.05f, 0.022f, 0.012f, 0.5f},
+                                                             {0.75f, 0.115f, 0.052f, 0.027f, 0.4f},
+                                                             {1, 0.16f, 0.078f, 0.042f, 0.34f}}};
+  static constexpr PhaseDomain k_domain{0, 1, false};
+
+  Value<Mode, float> creases{0.5f};
+
+  Leather() : SolidTexture<Leather, Mode>({.size = 0.075f, .turbulence = 0.15f, .turbulence_size = 2, .turbulence_octaves = 2}) {}
+
+  static constexpr auto parameters() {
+    return std::tuple_cat(std::tuple{parameter("creases", &Leather::creases, "their part of space").above(0).at_most(1)},
+                          Leather::common_parameters());
+  }
+
+  // Sampled:
+  PhaseMixture mixture(const Place& straight) const {
+    const float lost = borders_unseen(straight);
+    if (lost == 1) return k_all_phases;
+    const Place place = this->turbulent(straight).turned();
+    PhaseMixture mixture(border_phase(worley(place.p, this->stream(2)), place));
+    mixture.cover(k_all_phases, lost);
+    return mixture;
+  }
+
+  float profile(float phase) const {
+    const float side = std::min(phase / creases, 1.f);
+    return 0.85f * side * (2 - side) + 0.15f * phase;
+  }
+};
+
+} // namespace kelpie
