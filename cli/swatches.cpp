@@ -14,6 +14,7 @@
 #include "cli/film_options.h"
 #include "cli/picture_options.h"
 #include "cli/progress.h"
+#include "materials/presets.h"
 #include "renderer/output/label.h"
 #include "renderer/render_frame.h"
 #include "scene/parameter_types.h"
@@ -55,7 +56,7 @@ struct Swatch {
   std::string name, json;
 };
 
-/// All that can be shown: what the file has if there is one, else every pattern and every surface.
+/// All that can be shown: what the file has if there is one, else every pattern, every surface and every preset.
 std::vector<Swatch> all_swatches(const Scene& scene, bool has_file) {
   std::vector<Swatch> all;
   if (has_file) {
@@ -64,6 +65,7 @@ std::vector<Swatch> all_swatches(const Scene& scene, bool has_file) {
   }
   for (const std::string_view kind : kind_names<Concat<PatternKinds, SurfaceKinds>>())
     all.push_back({std::string(kind), fmt::format(R"({{"kind":"{}"}})", kind)});
+  for (const Preset& preset : k_presets) all.push_back({std::string(preset.name), fmt::format("\"{}\"", preset.name)});
   return all;
 }
 
@@ -169,7 +171,7 @@ void add_swatches(CLI::App& app) {
   auto options = std::make_shared<SwatchOptions>();
   CLI::App& command = *app.add_subcommand("swatches", "draw materials on one page, side by side (PNG)");
   command.footer("Examples:\n"
-                 "  kelpie swatches -o all.png                          every pattern and every surface\n"
+                 "  kelpie swatches -o all.png                          every pattern, surface and preset\n"
                  "  kelpie swatches marble wood gold -o some.png        some of them\n"
                  "  kelpie swatches -m examples/parts/metals.json -o metals.png    the materials of a library");
   command.add_option("NAMES", options->names, "kinds of patterns and surfaces, presets, or materials of the library [all]");

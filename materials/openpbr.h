@@ -28,8 +28,6 @@ From below: a *base*, which is a metal (`base_metalness`), or a dielectric over 
   Value<Mode, float> transmission_weight{0.f};
   Value<Mode, Colour> transmission_color{Colour{Vec3(1)}};
   Value<Mode, float> transmission_depth{0.f};
-  Value<Mode, float> transmission_dispersion_scale{0.f};
-  Value<Mode, float> transmission_dispersion_abbe_number{20.f};
   Value<Mode, float> coat_weight{0.f};
   Value<Mode, Colour> coat_color{Colour{Vec3(1)}};
   Value<Mode, float> coat_roughness{0.f};
@@ -77,12 +75,6 @@ From below: a *base*, which is a metal (`base_metalness`), or a dielectric over 
         parameter("transmission_depth", &OpenPbr::transmission_depth, "the way through the dielectric that colours light; 0: see there")
             .in(Unit::length)
             .at_least(0),
-        parameter("transmission_dispersion_scale", &OpenPbr::transmission_dispersion_scale, "0: none, 1: that of the Abbe number")
-            .at_least(0)
-            .at_most(1),
-        parameter("transmission_dispersion_abbe_number", &OpenPbr::transmission_dispersion_abbe_number,
-                  "small: strong (diamond 55, flint 30)")
-            .at_least(5),
         parameter("coat_weight", &OpenPbr::coat_weight, "how much of the surface has a clear coat above it").at_least(0).at_most(1),
         parameter("coat_color", &OpenPbr::coat_color, "what the coat leaves of light that goes in and out").at_least(0).at_most(1),
         parameter("coat_roughness", &OpenPbr::coat_roughness, "as `specular_roughness`").at_least(0).at_most(1),

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/suggest.h"
+#include "materials/presets.h"
 #include "scene/parameter_text.h"
 #include "scene/value_reader.h"
 
@@ -103,7 +104,7 @@ constexpr std::string_view k_material_doc = R"(What things are made of: a surfac
 
     { "kind": "metal", "colour": [1, 0.77, 0.34] }        a surface
     { "kind": "marble", "stops": [{ "at": 0, "material": "gold" }, …] }    a pattern
-    "gold"                                                one of the scene's `materials`
+    "gold"                                                one of the scene's `materials`, else one that kelpie knows, else a kind as it is by default
 
 A shape has a `surface`. Any node of its field may have a `material`, which counts for all below it that have none of their own.
 Where several meet they are mixed as their potentials f are (all at least 0):
@@ -121,6 +122,17 @@ constexpr std::string_view k_colour_doc = R"(A colour, in one of three forms.
     { "space": "Linear Rec.709", "rgb": [1, 0, 0] }   any space or role of the OCIO config
 )";
 
+/// What a preset stands for.
+std::string page_text(const Preset& preset) {
+  std::string members;
+  const OpenPbr<SampledMode> defaults, surface = preset.surface();
+  const auto add = [&](const auto& row) {
+    if (!(defaults.*(row.member) == surface.*(row.member))) members += fmt::format(", \"{}\": {}", row.name, json_text(surface.*(row.member)));
+  };
+  for_each_parameter<OpenPbr<SampledMode>>(add);
+  return fmt::format("{{ \"kind\": \"openpbr\"{} }}\n", members);
+}
+
 std::vector<Page> all_pages() {
   std::vector<Page> pages;
   for_each_group([&]<class Group>(const Group& group) {
@@ -132,6 +144,7 @@ std::vector<Page> all_pages() {
     else
       group.for_each([&]<class T>() { pages.push_back(page_of<T>(group.heading, Group::k_is_kinds)); });
   });
+  for (const Preset& preset : k_presets) pages.push_back({"materials by name", preset.name, preset.doc, page_text(preset)});
   pages.push_back({"values", "keys", k_keys_doc, {}});
   pages.push_back({"values", "colour", k_colour_doc, {}});
   pages.push_back({"values", "material", k_material_doc, {}});

@@ -1,5 +1,7 @@
 #include "scene/record_reader.h"
 
+#include "materials/presets.h"
+
 namespace kelpie {
 
 namespace {
@@ -89,6 +91,7 @@ MaterialPtr RecordReader::named_material(const std::string& name, const JsonValu
 }
 
 bool RecordReader::read_material_name(MaterialPtr& out, const JsonValue& v) {
+  out = nullptr;
   const std::string& name = *v.string();
   std::vector<std::string_view> known;
   if (const JsonValue* materials = document().root.find("materials"); materials && materials->object())
@@ -96,6 +99,19 @@ bool RecordReader::read_material_name(MaterialPtr& out, const JsonValue& v) {
       if (m.key == name) return bool(out = named_material(name, m.value));
       known.push_back(m.key);
     }
+  if (const Preset* preset = find_preset(name)) {
+    out = make_material<OpenPbr>(preset->surface<AnimatedMode>());
+    return true;
+  }
+  MaterialKinds::for_each([&]<template <class> class Kind>() {
+    if (Kind<AnimatedMode>::k_name != name) return;
+    Kind<AnimatedMode> kind;
+    complete_stops(kind, v);
+    out = make_material<Kind>(std::move(kind));
+  });
+  if (out) return true;
+  for (const Preset& preset : k_presets) known.push_back(preset.name);
+  for (const std::string_view kind : kind_names<MaterialKinds>()) known.push_back(kind);
   return document().is_complete && fail(v, unknown_name("material", name, known));
 }
 

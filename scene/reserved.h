@@ -18,6 +18,24 @@ struct Reserved {
 };
 
 inline constexpr std::array k_reserved{
+    Reserved{ReservedAs::key, "openpbr", "transmission_scatter"},
+    Reserved{ReservedAs::key, "openpbr", "transmission_scatter_anisotropy"},
+    Reserved{ReservedAs::key, "openpbr", "transmission_dispersion_scale"},
+    Reserved{ReservedAs::key, "openpbr", "transmission_dispersion_abbe_number"},
+    Reserved{ReservedAs::key, "openpbr", "subsurface_weight"},
+    Reserved{ReservedAs::key, "openpbr", "subsurface_color"},
+    Reserved{ReservedAs::key, "openpbr", "subsurface_radius"},
+    Reserved{ReservedAs::key, "openpbr", "subsurface_radius_scale"},
+    Reserved{ReservedAs::key, "openpbr", "subsurface_scatter_anisotropy"},
+    Reserved{ReservedAs::key, "openpbr", "coat_roughness_anisotropy"},
+    Reserved{ReservedAs::key, "openpbr", "fuzz_weight"},
+    Reserved{ReservedAs::key, "openpbr", "fuzz_color"},
+    Reserved{ReservedAs::key, "openpbr", "fuzz_roughness"},
+    Reserved{ReservedAs::key, "openpbr", "geometry_opacity"},
+    Reserved{ReservedAs::key, "openpbr", "geometry_thin_walled"},
+    Reserved{ReservedAs::key, "openpbr", "geometry_coat_normal"},
+    Reserved{ReservedAs::key, "openpbr", "geometry_coat_tangent"},
+    Reserved{ReservedAs::key, "openpbr", "geometry_normal"},
     Reserved{ReservedAs::value, "aovs", "cryptomatte"},
     Reserved{ReservedAs::value, "correspondence", "hierarchical"},
 };

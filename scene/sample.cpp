@@ -19,22 +19,27 @@ class MaterialSampler {
 public:
   MaterialSampler(double frame, SampledMaterials& out) : frame_(frame), out_(out) {}
 
+  /// None of none.
   MaterialIndex operator()(const MaterialPtr& material, const TimeMap& time = {}) {
+    if (!material) return {};
     const std::pair key{material.get(), time};
     if (const auto known = sampled_.find(key); known != sampled_.end()) return known->second;
-    std::visit(
-        [&](const auto& kind) {
-          std::vector<MaterialIndex> below;
-          const auto visit = [&]<class T>(const ParameterRules&, const T& value) {
-            if constexpr (IsMaterialEdge<T>) below.push_back((*this)(value, time));
-          };
-          for_each_value(visit, kind);
-          out_.emplace_back(sample_record(kind, time.at(frame_), nullptr, below.data()));
-        },
-        material->kind);
+    std::visit([&](const auto& kind) { out_.emplace_back(sample_record(kind, time.at(frame_), nullptr, of_record(kind, time).data())); },
+               material->kind);
     const MaterialIndex index{static_cast<uint32_t>(out_.size() - 1)};
     sampled_.emplace(key, index);
     return index;
+  }
+
+  /// Those that a record names, in the order of for_each_value.
+  template <class Record>
+  std::vector<MaterialIndex> of_record(const Record& record, const TimeMap& time) {
+    std::vector<MaterialIndex> named;
+    const auto visit = [&]<class T>(const ParameterRules&, const T& value) {
+      if constexpr (IsMaterialEdge<T>) named.push_back((*this)(value, time));
+    };
+    for_each_value(visit, record);
+    return named;
   }
 
 private:
@@ -56,10 +61,12 @@ SampledField sample_field(const FieldNode& root, double frame, MaterialSampler& 
   // What is shared does not depend on the frame, so all moments have one structure.
   FieldFold<unsigned> fold(PartsShared::in_one_time);
   fold(root, [&](const FieldNode& node, const auto& kind, const TimeMap& time, std::span<const unsigned> nodes) {
-    field.nodes.emplace_back(sample_record(kind, time.at(frame), nodes.data()));
-    if (node.material) {
+    const std::vector<MaterialIndex> named = materials.of_record(kind, time);
+    field.nodes.emplace_back(sample_record(kind, time.at(frame), nodes.data(), named.data()));
+    const MaterialIndex own = materials(node.material, time);
+    if (own.is_set() || std::any_of(named.begin(), named.end(), [](MaterialIndex m) { return m.is_set(); })) {
       field.materials.resize(field.nodes.size());
-      field.materials.back() = materials(node.material, time);
+      field.materials.back() = own;
     }
     return static_cast<unsigned>(field.nodes.size() - 1);
   });

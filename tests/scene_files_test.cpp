@@ -169,7 +169,8 @@ TEST(Materials, MayHaveNames) {
   const Scene s = folder.read(scene(gold, "\"gold\""));
   EXPECT_EQ(std::get<Metal<AnimatedMode>>(s.shapes[0].surface->kind).colour.at(0).rgb, Vec3(1, 0.77f, 0.34f));
   EXPECT_EQ(folder.errors(scene(gold, "\"glod\"")), "scene.json:2:11: unknown material \"glod\" (did you mean \"gold\"?)");
-  EXPECT_EQ(folder.errors(scene("", "\"gold\"")), "scene.json:2:11: unknown material \"gold\": the scene has no materials");
+  EXPECT_EQ(folder.errors(scene("", "\"silvre\"")), "scene.json:2:11: unknown material \"silvre\" (did you mean \"silver\"?)");
+  EXPECT_EQ(folder.errors(scene("", "\"silver\"")), "");
   EXPECT_EQ(folder.errors(scene(gold, "7")), "scene.json:2:11: surface: expected a material (an object with a \"kind\"), found a number");
   // One may be another by name, whichever comes first; but not itself.
   const Scene other = folder.read(scene("\"other\":\"gold\"," + gold, "\"other\""));

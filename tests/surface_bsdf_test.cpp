@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "materials/energy_table.h"
+#include "materials/presets.h"
 #include "materials/surfaces.h"
 #include "tests/support/bsdf_tally.h"
 
@@ -239,6 +240,26 @@ TEST(SurfaceBsdf, CoatDarkensAndColoursADarkBase) {
   const Vec3 coloured = SurfaceBsdf(s).evaluate(out, in);
   EXPECT_FLOAT_EQ(coloured.x, plain);
   EXPECT_LT(coloured.y, 0.5f * coloured.x);
+}
+
+// Presets are surfaces that could be written down: within the ranges of the table. None makes light.
+TEST(Presets, AreWithinTheRangesOfTheTable) {
+  for (const Preset& preset : k_presets) {
+    SCOPED_TRACE(preset.name);
+    EXPECT_EQ(find_preset(preset.name), &preset); // no name twice
+    SurfaceParameters s = preset.surface();
+    for_each_value(
+        [&]<class T>(const ParameterRules& rules, T& value) {
+          if constexpr (std::is_same_v<T, float>) {
+            EXPECT_TRUE(rules.range.contains(value)) << rules.name;
+          } else if constexpr (std::is_same_v<T, Colour>) {
+            for (int c = 0; c < 3; ++c) EXPECT_TRUE(rules.range.contains(value.rgb[c])) << rules.name;
+          }
+        },
+        s);
+    for (int c = 0; c < 3; ++c) EXPECT_LE(sampled(SurfaceBsdf(s), direction(0.5, 0), 4096).energy[c], 1.01);
+  }
+  EXPECT_EQ(find_preset("unobtainium"), nullptr);
 }
 
 // The table of mirrors against the integral over directions, which no sampling of normals enters.

@@ -34,6 +34,7 @@ LiquidMorph::LiquidMorph(const BlobCloud& from, const BlobCloud& to, Corresponde
     return e;
   };
   for (const Link& l : match_blobs(from, to, how)) parts_.push_back({end(from[l.from], l.from_share), end(to[l.to], l.to_share)});
+  for (uint32_t i = 0; i < parts_.size(); ++i) part_of_blob_.insert(part_of_blob_.end(), is_of_two_falloffs(parts_[i]) ? 2 : 1, i);
   if (rule == VolumeRule::linear) find_gains();
 }
 
@@ -62,7 +63,7 @@ Blob LiquidMorph::interpolate(const Part& p, float u, float gain) const {
 void LiquidMorph::append_parts(float u, float gain, BlobCloud& out) const {
   for (const Part& p : parts_) {
     Blob b = interpolate(p, u, gain);
-    if (p.from.falloff != p.to.falloff) { // two falloffs dissolve into one another
+    if (is_of_two_falloffs(p)) { // they dissolve into one another
       Blob other = b;
       other.falloff = p.to.falloff, other.weight *= u;
       out.push_back(other);

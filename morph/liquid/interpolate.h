@@ -33,6 +33,11 @@ struct EnumNames<VolumeRule> {
       {{"free", VolumeRule::free}, {"linear", VolumeRule::linear}}};
 };
 
+/// Where the matter of a blob was at the beginning and will be at the end.
+struct BlobFlow {
+  Vec3 from{0}, to{0}; ///< centres
+};
+
 /// Two clouds, cut into parts that are paired one to one.
 class LiquidMorph {
 public:
@@ -48,6 +53,11 @@ public:
   /// The same field, but for rounding, cut into the same parts at every progress.
   void append_parts(float progress, BlobCloud& out) const { append_parts(progress, gain_at(progress), out); }
   size_t part_count() const { return parts_.size(); }
+  /// The way of one of the blobs that append_parts appends (append_blobs too, but at the ends).
+  BlobFlow flow_of(uint32_t blob) const {
+    const Part& part = parts_[part_of_blob_[blob]];
+    return {part.from.centre, part.to.centre};
+  }
 
 private:
   struct End {
@@ -60,6 +70,7 @@ private:
   struct Part {
     End from, to;
   };
+  static bool is_of_two_falloffs(const Part& p) { return p.from.falloff != p.to.falloff; }
   Blob interpolate(const Part&, float progress, float gain) const;
   void append_parts(float progress, float gain, BlobCloud& out) const;
   void find_gains();
@@ -68,7 +79,8 @@ private:
   BlobCloud from_, to_;
   Correspondence how_;
   std::vector<Part> parts_;
-  std::vector<float> gain_; ///< the factor of all weights that keeps the volume linear, at equal steps of progress
+  std::vector<uint32_t> part_of_blob_; ///< of what append_parts appends
+  std::vector<float> gain_;            ///< the factor of all weights that keeps the volume linear, at equal steps of progress
 };
 
 } // namespace kelpie

@@ -18,12 +18,16 @@ Each blob of `from` is linked to its partners in `to` (the correspondence), spli
 has partners, and each part's centre, radius and weight are interpolated. `transport` moves the potentials'
 mass by the shortest way and keeps it; `cellular` is the paper's matching, which may scatter a blob's parts. At progress 0 and 1 the field is
 exactly that of the two clouds. Source: Jin, Liu, Wang, Feng, Sun 2005, "Blob-based liquid morphing";
-methods.md section 1.)";
+methods.md section 1.
+
+What it is made of flows with it: a point of the liquid has the material of where its matter, the mean of the blobs there, was at the
+beginning, and more and more that of where it will be at the end.)";
 
   typename Mode::File from, to;
   Correspondence correspondence = Correspondence::transport;
   VolumeRule volume = VolumeRule::linear;
   Value<Mode, float> progress{0.f};
+  typename Mode::Material from_material{}, to_material{};
   /// The matched clouds; filled when the scene is built.
   std::shared_ptr<const LiquidMorph> morph;
 
@@ -35,6 +39,10 @@ methods.md section 1.)";
                   "`transport`: the liquid moves as little as possible; `cellular`: nearest spheres, as in the paper"),
         parameter("volume", &Liquid::volume, "`linear`: the potential is scaled so that the volume changes linearly; `free`: as it comes"),
         parameter("progress", &Liquid::progress, "0 is `from`, 1 is `to`").at_least(0).at_most(1).required(),
+        parameter("from_material", &Liquid::from_material, "what it is made of at progress 0, instead of its `material`")
+            .or_named_in("materials"),
+        parameter("to_material", &Liquid::to_material, "what it is made of at progress 1, instead of its `material`")
+            .or_named_in("materials"),
     };
   }
   static constexpr auto assets() { return std::tuple{&Liquid::morph}; }
@@ -42,6 +50,7 @@ methods.md section 1.)";
   // Sampled:
   void append_blobs(BlobCloud& out) const { morph->append_blobs(progress, out); }
   void append_parts(BlobCloud& out) const { morph->append_parts(progress, out); }
+  BlobFlow flow_of(uint32_t blob) const { return morph->flow_of(blob); }
 };
 
 } // namespace kelpie

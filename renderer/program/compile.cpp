@@ -123,9 +123,25 @@ private:
     const std::vector<MaterialIndex>& materials = first().field.materials;
     if (!options_.with_identities || index >= materials.size() || !materials[index].is_set()) return view;
     View own = view;
-    own.place = static_cast<uint32_t>(places_.size());
-    places_.push_back({materials[index], space_of(view)});
+    own.place = add_place({materials[index], space_of(view)});
     return own;
+  }
+
+  uint32_t add_place(const MaterialPlace& place) {
+    places_.push_back(place);
+    return static_cast<uint32_t>(places_.size() - 1);
+  }
+
+  /// The place of a cloud's blobs: that of what is above, but what flows has one of its own.
+  template <class Kind>
+  uint32_t place_of_blobs(uint32_t index, const View& view) {
+    if constexpr (FlowingSource<Kind>) {
+      const Kind& kind = node<Kind>(0, index);
+      const MaterialIndex above = places_[view.place].material;
+      if (options_.with_identities && (above.is_set() || kind.from_material.is_set() || kind.to_material.is_set()))
+        return add_place({above, space_of(view), true});
+    }
+    return view.place;
   }
 
   template <class Kind>
@@ -194,10 +210,11 @@ private:
     }
     const bool is_folded = scales.size() == moments_.size();
     std::vector<uint32_t>& list = list_of(sum, is_folded ? view.space : space_of(view));
+    const uint32_t place = place_of_blobs<Kind>(index, view);
     for (size_t j = 0; j < clouds[0].size(); ++j) {
       if (std::all_of(clouds.begin(), clouds.end(), [&](const BlobCloud& c) { return c[j].weight == 0; })) continue;
       list.push_back(static_cast<uint32_t>(first().blobs.size()));
-      if (options_.with_identities) identities_.push_back({index, static_cast<uint32_t>(j), view.place});
+      if (options_.with_identities) identities_.push_back({index, static_cast<uint32_t>(j), place});
       for (size_t i = 0; i < moments_.size(); ++i) {
         Blob blob = clouds[i][j];
         if (is_folded) {

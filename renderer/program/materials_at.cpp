@@ -1,5 +1,7 @@
 #include "renderer/program/materials_at.h"
 
+#include <algorithm>
+
 namespace kelpie {
 
 namespace {
@@ -18,6 +20,7 @@ public:
     shares_.back() = values_.back() > 0; // else there is nothing
     for (size_t i = values_.size(); i-- > 0;)
       if (shares_[i] > 0) pass_down(code_.steps[i], shares_[i]);
+    add_flows();
   }
 
 private:
@@ -46,7 +49,60 @@ private:
     find_blobs(step);
     parts_.resize(blobs_.size());
     share_by(blobs_, parts_);
-    for (size_t i = 0; i < parts_.size(); ++i) add(program_.identities->blobs[code_.blobs[step.first + i]].place, share * parts_[i]);
+    for (size_t i = 0; i < parts_.size(); ++i) {
+      const uint32_t blob = code_.blobs[step.first + i];
+      const LeafIdentity& whose = program_.identities->blobs[blob];
+      if (!program_.identities->places[whose.place].flows)
+        add(whose.place, share * parts_[i]);
+      else if (parts_[i] > 0)
+        add_to_flow(step.space, blob, whose, share * parts_[i]);
+    }
+  }
+
+  /// What flows together: how far from here its matter was at the beginning and will be at the end, the sum over its blobs.
+  struct Flow {
+    LeafIdentity whose; ///< of any of its blobs
+    double share = 0;
+    Vec3d to_start{0}, to_end{0}; ///< times the share
+  };
+
+  void add_to_flow(uint32_t space, uint32_t blob, const LeafIdentity& whose, double share) {
+    auto flow = std::find_if(flows_.begin(), flows_.end(), [&](const Flow& f) { return f.whose.place == whose.place; });
+    if (flow == flows_.end()) flow = flows_.insert(flow, Flow{whose});
+    flow->share += share;
+    std::visit(
+        [&]<class Kind>(const Kind& kind) {
+          if constexpr (FlowingSource<Kind>) {
+            if (kind.progress <= 0 || kind.progress >= 1) return; // it is where it was, or will be
+            const BlobNumbers b = program_.blob(blob);
+            const uint32_t own = program_.identities->places[whose.place].space;
+            Vec3d centre(b.x, b.y, b.z);
+            if (own != space) centre = program_.spaces[own].local_from_parent(centre); // its scale was folded into it
+            const BlobFlow way = kind.flow_of(whose.part);
+            flow->to_start += share * (Vec3d(way.from) - centre), flow->to_end += share * (Vec3d(way.to) - centre);
+          }
+        },
+        program_.field.nodes[whose.node]);
+  }
+
+  void add_flows() {
+    for (const Flow& flow : flows_)
+      std::visit(
+          [&]<class Kind>(const Kind& kind) {
+            if constexpr (FlowingSource<Kind>) {
+              const MaterialPlace& place = program_.identities->places[flow.whose.place];
+              const Vec3 q = in_space(place.space, p_);
+              const Footprint footprint = footprint_in(place.space, q);
+              const auto add_end = [&](MaterialIndex own, double part, const Vec3d& way) {
+                const MaterialIndex material = own.is_set() ? own : place.material;
+                if (material.is_set() && part > 0)
+                  out_.push_back({material, float(flow.share * part), q + Vec3(way / flow.share), footprint});
+              };
+              add_end(kind.from_material, 1 - double(kind.progress), flow.to_start);
+              add_end(kind.to_material, kind.progress, flow.to_end);
+            }
+          },
+          program_.field.nodes[flow.whose.node]);
   }
 
   /// What a step counts for in a blend: a sum of blobs as if each stood there by itself, so that blends in one another are one.
@@ -112,7 +168,8 @@ private:
   std::vector<double> values_, shares_;  ///< of the steps
   std::vector<double> operands_, parts_; ///< of one operator
   std::vector<double> blobs_;            ///< of one step
-  std::vector<uint32_t> places_;         ///< of what is in out_
+  std::vector<uint32_t> places_;         ///< of what is in out_, but for flows
+  std::vector<Flow> flows_;
 };
 
 } // namespace

@@ -72,10 +72,19 @@ struct LeafIdentity {
   friend bool operator==(const LeafIdentity&, const LeafIdentity&) = default;
 };
 
+/// A source of blobs whose matter flows: it has the way of each blob, `BlobFlow flow_of(blob)`, a `progress` from 0 to 1, and may have
+/// materials of its own at both ends.
+template <class K>
+concept FlowingSource = BlobSource<K> && requires(const K k) {
+  { k.flow_of(0u) } -> std::same_as<BlobFlow>;
+  k.progress, k.from_material, k.to_material;
+};
+
 /// What leaves are made of that lie below a node with a material, and where that material lives.
 struct MaterialPlace {
   MaterialIndex material; ///< none: nothing above says
-  uint32_t space = 0;     ///< into FieldProgram::spaces
+  uint32_t space = 0;     ///< into FieldProgram::spaces; of what flows that of its node
+  bool flows = false;     ///< it is of blobs of a FlowingSource
 
   friend bool operator==(const MaterialPlace&, const MaterialPlace&) = default;
 };
