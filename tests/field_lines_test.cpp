@@ -126,7 +126,7 @@ double past_line_of_r_union(Random& r) {
 double past_lines_of_join(Random& r, Join join) {
   const auto count = join == Join::local_blend ? uint32_t(3 + r.below(3)) : 2u; // with its region
   const auto threshold = float(r.log_uniform(0.3, 3));
-  const TreeStep step{TreeStep::Kind::join, 0, count, false, join, float(r.log_uniform(0.3, 30))};
+  const TreeStep step{TreeStep::Kind::join, false, join, Demand::value, float(r.log_uniform(0.3, 30)), 0, count};
   const double largest = (r.below(2) ? 1.2 : 4) * double(threshold);
   std::vector<Slope> fields(count);
   for (Slope& f : fields) {
@@ -135,7 +135,8 @@ double past_lines_of_join(Random& r, Join join) {
     const double wide = r.below(3) ? r.log_uniform(1e-3, 1) * largest : 0;
     f.high = line(a, b), f.low = line(a - r.uniform(0, wide), b - r.uniform(0, wide)), f.value = f.high.middle();
   }
-  const Slope joined = join_slopes<true>(step, threshold, [&](uint32_t i) -> const Slope& { return fields[i]; });
+  std::vector<Slope> joined = fields;
+  join_slopes<true>(step, threshold, joined.data());
   double most = 0;
   for (int i = 0; i < k_places; ++i) {
     const float u = float(i) / (k_places - 1);
@@ -145,9 +146,9 @@ double past_lines_of_join(Random& r, Join join) {
       at_u[j].value = set(std::lerp(at(fields[j].low, u), at(fields[j].high, u), share));
       at_u[j].low = at_u[j].high = {at_u[j].value, at_u[j].value};
     }
-    const Slope here = join_slopes<true>(step, threshold, [&](uint32_t j) -> const Slope& { return at_u[j]; });
-    const float f = hn::GetLane(here.value);
-    most = std::max({most, double(f - at(joined.high, u)), double(at(joined.low, u) - f)});
+    join_slopes<true>(step, threshold, at_u.data());
+    const float f = hn::GetLane(at_u[0].value);
+    most = std::max({most, double(f - at(joined[0].high, u)), double(at(joined[0].low, u) - f)});
   }
   return most / largest;
 }

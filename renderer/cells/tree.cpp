@@ -102,9 +102,14 @@ private:
     return join == Join::hyper_blend ? std::get<HyperBlend<SampledMode>>(program_.field.nodes[step.node]).n : 1;
   }
 
+  void add_operand(TreeStep::Kind kind, uint32_t first, uint32_t count, bool is_subtracted) {
+    TreeStep& step = out_.steps.emplace_back();
+    step.kind = kind, step.is_subtracted = is_subtracted, step.first = first, step.count = count;
+  }
+
   void add_join(const Instruction& step, Join join, uint32_t operands, bool is_subtracted) {
     out_.is_monotone &= is_monotone(join);
-    out_.steps.push_back({TreeStep::Kind::join, 0, operands, is_subtracted, join, exponent_of(step, join), step.node, step.demand});
+    out_.steps.push_back({TreeStep::Kind::join, is_subtracted, join, step.demand, exponent_of(step, join), step.node, operands});
   }
 
   /// What a dropped operand leaves in its place.
@@ -135,7 +140,7 @@ private:
     if (!gather(position, is_subtracted, others)) return false;
     const auto leaf_count = static_cast<uint32_t>(leaves_.size()) - first;
     uint32_t count = 0;
-    if (leaf_count > 0 || others.empty()) out_.steps.push_back({TreeStep::Kind::leaves, first, leaf_count, is_subtracted}), ++count;
+    if (leaf_count > 0 || others.empty()) add_operand(TreeStep::Kind::leaves, first, leaf_count, is_subtracted), ++count;
     for (const uint32_t other : others) {
       if (!emit(other, depth + (count > 0), is_subtracted)) return false;
       if (count++ > 0) add_join(code_.steps[position], Join::sum, 2, is_subtracted);
@@ -224,7 +229,7 @@ private:
     leaf.slot = base.slot, leaf.drift = static_cast<float>(base.turning * stretch(local_from_base.linear));
     leaf.bending = static_cast<float>(base.bending * stretch(local_from_base.linear));
     leaf.node = step.node, leaf.space = step.space;
-    out_.steps.push_back({TreeStep::Kind::solid, static_cast<uint32_t>(out_.solids.size()), 1, is_subtracted});
+    add_operand(TreeStep::Kind::solid, static_cast<uint32_t>(out_.solids.size()), 1, is_subtracted);
     out_.solids.push_back(leaf);
     return true;
   }

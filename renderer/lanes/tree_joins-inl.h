@@ -7,7 +7,9 @@
 #define KELPIE_TREE_JOINS_INL
 #endif
 
+#include <cstddef>
 #include <hwy/contrib/math/math-inl.h>
+#include <new>
 
 #include "renderer/lanes/potentials-inl.h"
 #include "renderer/lanes/tree_view.h"
@@ -123,16 +125,15 @@ inline Line above_r_union(const Line& a, const Line& b, const Line& least_a, con
   return all + slack + hn::Mul(hn::Mul(bends, set(0.125f)), hn::MulAdd(da, da, hn::Mul(db, db)));
 }
 
-/// The slopes at(0), at(1), … joined where a join bends: lines where it is known how far it bends, else the ends of its range. Where
-/// one of two is nothing, the result is exactly the other.
-template <class At>
-HWY_NOINLINE Slope join_rare_slopes(const TreeStep& step, float threshold, const At& at) {
+/// Slopes joined where a join bends: lines where it is known how far it bends, else the ends of its range. Where one of two is nothing,
+/// the result is exactly the other.
+inline HWY_NOINLINE Slope join_rare_slopes(const TreeStep& step, float threshold, const Slope* operands) {
   const Range r = join_rare_ranges(step, threshold, [&](uint32_t i) {
-    const Slope& f = at(i);
+    const Slope& f = operands[i];
     return Range{f.value, f.low.least(), f.high.most()};
   });
   Slope s{r.value, {r.high, r.high}, {r.low, r.low}};
-  const Slope &a = at(0), &b = at(1);
+  const Slope &a = operands[0], &b = operands[1];
   const V zero = hn::Zero(k_lanes);
   const auto scaled = [](const Line& l, float factor) { return Line{hn::Mul(l.left, set(factor)), hn::Mul(l.right, set(factor))}; };
   const auto positive = [&](const Line& l) { return Line{hn::Max(l.left, zero), hn::Max(l.right, zero)}; };
@@ -169,46 +170,41 @@ HWY_NOINLINE Slope join_rare_slopes(const TreeStep& step, float threshold, const
   return s;
 }
 
-/// The slopes at(0), at(1), … joined, those joins that are most of a scene without a call. Unless WantsLow, `low` is left out.
-template <bool WantsLow, class At>
-HWY_INLINE Slope join_slopes(const TreeStep& step, float threshold, const At& at) {
-  const Slope &a = at(0), &b = at(1);
-  Slope s;
+/// Makes operands[0] what a step makes of its operands, those joins that are most of a scene without a call. Unless WantsLow, `low` is
+/// left out.
+template <bool WantsLow>
+HWY_INLINE void join_slopes(const TreeStep& step, float threshold, Slope* operands) {
+  Slope& a = operands[0];
+  const Slope& b = operands[1];
   if (step.join == Join::sum) {
-    s.value = hn::Add(a.value, b.value), s.high = a.high + b.high;
-    if constexpr (WantsLow) s.low = a.low + b.low;
-    return s;
+    a.value = hn::Add(a.value, b.value), a.high = a.high + b.high;
+    if constexpr (WantsLow) a.low = a.low + b.low;
+  } else if (step.join == Join::maximum) { // convex: below its chord, and above each of the two
+    a.value = hn::Max(a.value, b.value), a.high = join_ends(a.high, b.high, [](V x, V y) { return hn::Max(x, y); });
+    if constexpr (WantsLow) a.low = choose(hn::Gt(a.low.middle(), b.low.middle()), a.low, b.low);
+  } else if (step.join == Join::minimum) {
+    a.value = hn::Min(a.value, b.value), a.high = choose(hn::Lt(a.high.most(), b.high.most()), a.high, b.high);
+    if constexpr (WantsLow) a.low = join_ends(a.low, b.low, [](V x, V y) { return hn::Min(x, y); });
+  } else {
+    for (uint32_t i = 0; i < step.count && !WantsLow; ++i) operands[i].low = {hn::Zero(k_lanes), hn::Zero(k_lanes)};
+    a = join_rare_slopes(step, threshold, operands);
   }
-  if (step.join == Join::maximum) { // convex: below its chord, and above each of the two
-    s.value = hn::Max(a.value, b.value), s.high = join_ends(a.high, b.high, [](V x, V y) { return hn::Max(x, y); });
-    if constexpr (WantsLow) s.low = choose(hn::Gt(a.low.middle(), b.low.middle()), a.low, b.low);
-    return s;
-  }
-  if (step.join == Join::minimum) {
-    s.value = hn::Min(a.value, b.value), s.high = choose(hn::Lt(a.high.most(), b.high.most()), a.high, b.high);
-    if constexpr (WantsLow) s.low = join_ends(a.low, b.low, [](V x, V y) { return hn::Min(x, y); });
-    return s;
-  }
-  return join_rare_slopes(step, threshold, [&](uint32_t i) {
-    Slope f = at(i);
-    if constexpr (!WantsLow) f.low = {hn::Zero(k_lanes), hn::Zero(k_lanes)};
-    return f;
-  });
 }
 
 /// Computes a tree. push(step, value) says what leaves or a solid are; join(step, operands) makes operands[0] what the operator makes
 /// of operands[0], operands[1], ….
 template <class Value, class Push, class JoinOperands>
 HWY_INLINE Value fold_tree(std::span<const TreeStep> steps, const Push& push, const JoinOperands& join) {
-  Value stack[k_tree_depth + 1];
-  stack[0] = Value{}; // there is always a step, but compilers do not know
+  alignas(Value) std::byte memory[(k_tree_depth + 1) * sizeof(Value)]; // a value is made when it is pushed: most trees are shallow
+  Value* const stack = new (memory) Value;
+  *stack = Value{}; // there is always a step, but compilers do not know
   size_t depth = 0;
   for (const TreeStep& step : steps) {
     if (step.kind == TreeStep::Kind::join) {
       depth -= step.count - 1;
       join(step, stack + depth - 1);
     } else {
-      push(step, stack[depth++]);
+      push(step, *new (stack + depth++) Value);
     }
   }
   return stack[0];

@@ -16,7 +16,7 @@ inline constexpr uint32_t k_leaf_group = 16;
 
 /// What an operator makes of its operands. The R-functions are those below a sum, in their localised form
 /// (field/operators/r_functions.h).
-enum class Join : uint32_t {
+enum class Join : uint8_t {
   sum,
   maximum,
   minimum,
@@ -39,21 +39,19 @@ constexpr bool bends(Join j) { return is_r_function(j) || j == Join::hyper_blend
 
 /// One step of a tree in post-order: pushes the sum of some leaves or a solid, or joins what was pushed last.
 struct TreeStep {
-  enum class Kind : uint32_t {
+  enum class Kind : uint8_t {
     leaves, ///< cone-spheres
     solid,
     join,
   };
   Kind kind = Kind::leaves;
-  uint32_t first = 0; ///< of `leaves`: the first one; of `solid`: which
-  uint32_t count = 0; ///< leaves, or operands: 2, any number of `local_blend`
   /// The field falls where this rises: it stands below an odd number of subtractions.
   bool is_subtracted = false;
-  // Of a join:
-  Join join = Join::sum;
-  float exponent = 1;            ///< of `hyper_blend`
-  uint32_t node = 0;             ///< its operator in the program…
-  Demand demand = Demand::value; ///< …and what the whole tree asks of that
+  Join join = Join::sum;         ///< of a join, as what follows…
+  Demand demand = Demand::value; ///< …what the whole tree asks of its operator…
+  float exponent = 1;            ///< …and the exponent of `hyper_blend`
+  uint32_t first = 0;            ///< of `leaves`: the first one; of `solid`: which; of a join: its operator in the program
+  uint32_t count = 0;            ///< leaves, or operands: 2, any number of `local_blend`
 };
 
 /// A space of the program that is warped in the world: there a ray is a curve.

@@ -139,36 +139,35 @@ private:
     const auto start = [&](const TreeStep& step, Operand& out) {
       const size_t first = lanes_.steps.size();
       lanes_.steps.push_back(step);
-      out = step.kind == TreeStep::Kind::solid ? set_up_solid(step) : set_up_leaves(step);
-      out.part.first = first;
+      out.first = first;
+      step.kind == TreeStep::Kind::solid ? set_up_solid(step, out) : set_up_leaves(step, out);
     };
     const auto join = [&](const TreeStep& step, Operand* operands) {
-      const Range bounds = join_ranges(step, threshold_, [&](uint32_t i) -> const Range& { return operands[i].bounds; });
-      operands[0] = {join_parts(step, operands), bounds};
+      operands[0].bounds = join_ranges(step, threshold_, [&](uint32_t i) -> const Range& { return operands[i].bounds; });
+      join_steps(step, operands);
     };
     return fold_tree<Operand>(tree_.steps, start, join).bounds.high;
   }
 
-  /// The steps from `first` on.
-  struct Part {
-    size_t first = 0;
-    bool is_nothing = true, may_be_negative = false; ///< 0 in all lanes; below 0 in any
-  };
+  /// What the steps from `first` on make.
   struct Operand {
-    Part part;
-    Range bounds; ///< of the field on the segments; what it is in their middle is not asked for
+    size_t first;
+    bool is_nothing, may_be_negative; ///< 0 in all lanes; below 0 in any
+    Range bounds;                     ///< of the field on the segments; what it is in their middle is not asked for
   };
 
-  /// Joins operands; where one of them is nothing, mostly without a step. What a lane gets is the same, to the last bit.
-  Part join_parts(const TreeStep& step, const Operand* operands) {
+  /// Makes operands[0] the joined steps; where one of them is nothing, mostly without a step. What a lane gets is the same, to the last
+  /// bit.
+  void join_steps(const TreeStep& step, Operand* operands) {
     std::vector<TreeStep>& steps = lanes_.steps;
-    const Part &a = operands[0].part, &b = operands[1].part;
-    const bool may_be_negative = std::any_of(operands, operands + step.count, [](const Operand& o) { return o.part.may_be_negative; });
+    Operand& a = operands[0];
+    const Operand& b = operands[1];
+    const bool may_be_negative = std::any_of(operands, operands + step.count, [](const Operand& o) { return o.may_be_negative; });
     const auto at = [&](size_t i) { return steps.begin() + std::ptrdiff_t(i); };
-    const auto nothing = [&] { // of any kind, with a step of its own
+    const auto be_nothing = [&] { // of any kind, with a step of its own
       steps.erase(at(a.first) + 1, steps.end());
-      steps.back() = {TreeStep::Kind::leaves, 0, 0, step.is_subtracted};
-      return Part{a.first, true, false};
+      steps.back() = {}, steps.back().is_subtracted = step.is_subtracted;
+      a.is_nothing = true, a.may_be_negative = false;
     };
     switch (step.join) {
     case Join::sum:
@@ -178,40 +177,43 @@ private:
       if (step.join != Join::sum && may_be_negative) break;
       if (b.is_nothing) {
         steps.erase(at(b.first), steps.end());
-        return a;
+        return;
       }
       if (!a.is_nothing) break;
       steps.erase(at(a.first), at(b.first));
-      return {a.first, false, b.may_be_negative};
+      a.is_nothing = false, a.may_be_negative = b.may_be_negative;
+      return;
     case Join::minimum:
     case Join::r_intersection:
-      if (!may_be_negative && (a.is_nothing || b.is_nothing)) return nothing();
+      if (!may_be_negative && (a.is_nothing || b.is_nothing)) return be_nothing();
       break;
     case Join::difference:
     case Join::r_difference:
-      if (a.is_nothing) return nothing();
+      if (a.is_nothing) return be_nothing();
       break;
     case Join::local_blend: break;
     }
     steps.push_back(step);
-    return {a.first, false, may_be_negative};
+    a.is_nothing = false, a.may_be_negative = may_be_negative;
   }
 
   /// What some leaves are together, and which of them any lane meets.
-  Operand set_up_leaves(const TreeStep& step) {
+  void set_up_leaves(const TreeStep& step, Operand& out) {
     const V zero = hn::Zero(k_lanes);
-    TreeStep& left = lanes_.steps.back();
-    left.first = static_cast<uint32_t>(lanes_.leaf_count);
-    Operand out{{}, {zero, zero, zero}};
+    const size_t first = lanes_.leaf_count;
+    V low = zero, high = zero;
+    out.may_be_negative = false;
     for (uint32_t i = step.first; i < step.first + step.count; ++i) {
       const auto slot = static_cast<size_t>(tree_.row(leaf_space, i));
       const size_t before = lanes_.leaf_count;
       const V peak = slot == 0 ? set_up_leaf(i, middle_, direction_) : set_up_leaf(i, found_[slot - 1].place, found_[slot - 1].velocity);
-      out.part.may_be_negative |= lanes_.leaf_count > before && !tree_.is_positive(i);
-      out.bounds.low = hn::Add(out.bounds.low, hn::Min(peak, zero)), out.bounds.high = hn::Add(out.bounds.high, hn::Max(peak, zero));
+      out.may_be_negative |= lanes_.leaf_count > before && !tree_.is_positive(i);
+      low = hn::Add(low, hn::Min(peak, zero)), high = hn::Add(high, hn::Max(peak, zero));
     }
-    left.count = static_cast<uint32_t>(lanes_.leaf_count) - left.first, out.part.is_nothing = left.count == 0;
-    return out;
+    TreeStep& left = lanes_.steps.back();
+    left.first = static_cast<uint32_t>(first), left.count = static_cast<uint32_t>(lanes_.leaf_count - first);
+    out.is_nothing = left.count == 0;
+    out.bounds = {zero, low, high};
   }
 
   /// The potential at the place of the segment that is nearest to the leaf, or nearer.
@@ -238,7 +240,7 @@ private:
   const V3& velocity_in_base(const SolidLeaf& leaf) const { return leaf.slot == 0 ? direction_ : found_[leaf.slot - 1].velocity; }
 
   /// The same for a solid.
-  HWY_NOINLINE Operand set_up_solid(const TreeStep& step) {
+  HWY_NOINLINE void set_up_solid(const TreeStep& step, Operand& out) {
     const SolidLeaf& leaf = tree_.solids.leaves[step.first];
     const V zero = hn::Zero(k_lanes);
     const V3 place = place_in_base(leaf, hn::Zero(k_lanes));
@@ -246,7 +248,8 @@ private:
     const auto reaches = hn::And(live_, hn::Ne(peak, zero));
     hn::Store(hn::IfThenElseZero(reaches, set(1)), k_lanes, lanes_.reaches.get() + step.first * k_width);
     const V met = hn::IfThenElseZero(reaches, peak);
-    return {{0, none(reaches), !leaf.potential.is_positive()}, {zero, hn::Min(met, zero), hn::Max(met, zero)}};
+    out.is_nothing = none(reaches), out.may_be_negative = !leaf.potential.is_positive();
+    out.bounds = {zero, hn::Min(met, zero), hn::Max(met, zero)};
   }
 
   /// f - T in the middle of each lane's stretch, and its bounds within.
@@ -263,9 +266,7 @@ private:
       if (step.kind == TreeStep::Kind::solid) return add_solid(step, s, h, out);
       for (uint32_t j = step.first; j < step.first + step.count; ++j) add(j, step.is_subtracted, s, h, out);
     };
-    const auto join = [&](const TreeStep& step, Slope* operands) {
-      operands[0] = join_slopes<WantsLow>(step, threshold_, [&](uint32_t i) -> const Slope& { return operands[i]; });
-    };
+    const auto join = [&](const TreeStep& step, Slope* operands) { join_slopes<WantsLow>(step, threshold_, operands); };
     Slope f = fold_tree<Slope>(lanes_.steps, add_step, join);
     const V below = set(-threshold_);
     f.value = hn::Add(f.value, below), f.high = f.high + below;

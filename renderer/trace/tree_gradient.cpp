@@ -63,18 +63,18 @@ public:
       find_curves(tree, lines.curve(), axes, by_points, found);
       for (size_t i = 0; i < count_; ++i) {
         const V3 &at = found[i].place, &by = found[i].velocity;
-        warped_[i].place = Vec3(hn::GetLane(at.x), hn::GetLane(at.y), hn::GetLane(at.z));
+        warped_[i].place[0] = hn::GetLane(at.x), warped_[i].place[1] = hn::GetLane(at.y), warped_[i].place[2] = hn::GetLane(at.z);
         alignas(64) float rates[3][k_width];
         hn::Store(by.x, k_lanes, rates[0]), hn::Store(by.y, k_lanes, rates[1]), hn::Store(by.z, k_lanes, rates[2]);
         for (int c = 0; c < 3; ++c)
-          for (size_t j = 0; j < axes; ++j) warped_[i].gradients[c][static_cast<int>(first + j)] = rates[c][j];
+          for (size_t j = 0; j < axes; ++j) warped_[i].gradients[c][first + j] = rates[c][j];
       }
     }
   }
 
   /// In the spaces of leaves, by their numbers `leaf_space`.
   V3 places(V slots) const {
-    V3 p{set(world_.x), set(world_.y), set(world_.z)};
+    V3 p = vector(&world_.x);
     for_each_space(slots, [&](M is_here, const Warped& w) { p = choose(is_here, vector(w.place), p); });
     return p;
   }
@@ -90,10 +90,10 @@ public:
 
 private:
   struct Warped {
-    Vec3 place, gradients[3]; ///< of its coordinates
+    float place[3], gradients[3][3]; ///< of its coordinates
   };
   static Vec3 unit(size_t axis) { return Vec3(axis == 0, axis == 1, axis == 2); }
-  static V3 vector(const Vec3& v) { return {set(v.x), set(v.y), set(v.z)}; }
+  static V3 vector(const float* v) { return {set(v[0]), set(v[1]), set(v[2])}; }
   static V3 choose(M first, const V3& a, const V3& b) {
     return {hn::IfThenElse(first, a.x, b.x), hn::IfThenElse(first, a.y, b.y), hn::IfThenElse(first, a.z, b.z)};
   }
@@ -135,14 +135,15 @@ Vec3 TreeGradient(const ShapeCells& shape, const Cell& cell, const Vec3& place) 
     hn::StoreU(g.x, k_lanes, &leaves[1][i]), hn::StoreU(g.y, k_lanes, &leaves[2][i]), hn::StoreU(g.z, k_lanes, &leaves[3][i]);
   }
 
-  const auto add_step = [&](const TreeStep& step, Gradient& sum) {
+  const auto add_step = [&](const TreeStep& step, Gradient& out) {
     if (step.kind == TreeStep::Kind::solid) {
-      sum = solid_value(shape.program, tree.solids.leaves[step.first], place);
+      out = solid_value(shape.program, tree.solids.leaves[step.first], place);
       return;
     }
-    sum = {};
+    Gradient sum;
     for (uint32_t i = step.first; i < step.first + step.count; ++i)
       if (leaves[0][i] != 0) sum = sum + Gradient(leaves[0][i], {double(leaves[1][i]), double(leaves[2][i]), double(leaves[3][i])});
+    out = sum;
   };
   const auto join = [&](const TreeStep& step, Gradient* operands) { operands[0] = combine(shape.program, step, operands); };
   const Gradient f = fold_tree<Gradient>(tree.steps, add_step, join);

@@ -18,7 +18,7 @@ Real combine(const FieldProgram& program, const TreeStep& step, const Real* oper
           return kind.combine(std::span<const Real>(operands, step.count), program.threshold, step.demand);
         return Real(0.0);
       },
-      program.field.nodes[step.node]);
+      program.field.nodes[step.first]);
 }
 
 } // namespace kelpie
