@@ -170,6 +170,36 @@ TEST(Materials, GoWithWhatMoves) {
   EXPECT_GT(moving, 40);
 }
 
+/// A point of a liquid has the materials of where its matter was and will be.
+TEST(Materials, FlowWithALiquid) {
+  const auto cloud = [](float x) { return BlobCloud{{Vec3(x, 0, 0), 1, 2, Falloff::quartic}, {Vec3(x, 0.6f, 0), 1, 2, Falloff::quartic}}; };
+  for (const float progress : {0.f, 0.25f, 1.f}) {
+    Liquid<SampledMode> liquid;
+    liquid.morph = std::make_shared<LiquidMorph>(cloud(-1), cloud(1), Correspondence::transport, VolumeRule::free);
+    liquid.progress = progress, liquid.from_material = {7}, liquid.to_material = {8};
+    Rotate<SampledMode> turned; // materials live in the space of the liquid
+    turned.axis = Vec3(0, 1, 0), turned.angle = 90;
+    SampledField field;
+    turned.child = add(field, liquid);
+    add(field, turned);
+    field.materials.resize(field.nodes.size());
+    const FieldProgram program = compile(field, 1, k_with_identities);
+    const Vec3d local(-1 + 2 * progress + 0.1, 0.2, 0.15);
+    const Shares shares = found(program, program.code, turned.parent_from_child()(local));
+    EXPECT_NEAR(shares.total, 1, 1e-5);
+    const std::pair<uint32_t, double> ends[] = {{7, 1 - progress}, {8, progress}};
+    for (const auto& [material, share] : ends) {
+      if (share == 0) {
+        EXPECT_EQ(shares.of.count(material), 0u);
+        continue;
+      }
+      EXPECT_NEAR(shares.of.at(material), share, 1e-5);
+      const Vec3d there = local + Vec3d(material == 7 ? -2 * progress : 2 - 2 * progress, 0, 0);
+      EXPECT_LE(glm::distance(shares.places.at(material) / share, there), 1e-4) << progress;
+    }
+  }
+}
+
 /// A thousand regions are looked at by the few that are near.
 TEST(Materials, OfATextureAreFoundByAFewElements) {
   Random r(3);

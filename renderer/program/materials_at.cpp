@@ -6,12 +6,25 @@ namespace kelpie {
 
 namespace {
 
+/// What a MaterialFinder writes to, kept from point to point.
+struct FinderMemory {
+  SpacePoints<double> spaces, other_spaces;
+  std::vector<double> values, shares;  ///< of the steps
+  std::vector<double> operands, parts; ///< of one operator
+  std::vector<double> blobs;           ///< of one step
+  std::vector<uint32_t> places;        ///< of what has been found, but for flows
+};
+
 /// From the root down: each node's share is that of the operator above it, times what it has of that.
 class MaterialFinder {
 public:
-  MaterialFinder(const FieldProgram& program, const CodeView& code, const Vec3d& p, const Footprint& footprint,
+  MaterialFinder(const FieldProgram& program, const CodeView& code, const Vec3d& p, const Footprint& footprint, FinderMemory& memory,
                  std::vector<MaterialAt>& out)
-      : program_(program), code_(code), p_(p), point_{p.x, p.y, p.z}, footprint_(footprint), out_(out) {}
+      : program_(program), code_(code), p_(p), point_{p.x, p.y, p.z}, footprint_(footprint), spaces_(memory.spaces),
+        other_spaces_(memory.other_spaces), values_(memory.values), shares_(memory.shares), operands_(memory.operands),
+        parts_(memory.parts), blobs_(memory.blobs), places_(memory.places), out_(out) {
+    values_.clear(), places_.clear();
+  }
 
   void run() {
     if (code_.steps.empty()) return;
@@ -163,13 +176,11 @@ private:
   Vec3d p_;
   Point3<double> point_; ///< the same
   Footprint footprint_;
-  std::vector<MaterialAt>& out_;
-  SpacePoints<double> spaces_, other_spaces_;
-  std::vector<double> values_, shares_;  ///< of the steps
-  std::vector<double> operands_, parts_; ///< of one operator
-  std::vector<double> blobs_;            ///< of one step
-  std::vector<uint32_t> places_;         ///< of what is in out_, but for flows
+  SpacePoints<double>&spaces_, &other_spaces_;
+  std::vector<double>&values_, &shares_, &operands_, &parts_, &blobs_;
+  std::vector<uint32_t>& places_;
   std::vector<Flow> flows_;
+  std::vector<MaterialAt>& out_;
 };
 
 } // namespace
@@ -177,7 +188,8 @@ private:
 void materials_at(const FieldProgram& program, const CodeView& code, const Vec3d& p, const Footprint& footprint,
                   std::vector<MaterialAt>& out) {
   out.clear();
-  MaterialFinder(program, code, p, footprint, out).run();
+  thread_local FinderMemory memory;
+  MaterialFinder(program, code, p, footprint, memory, out).run();
 }
 
 } // namespace kelpie
