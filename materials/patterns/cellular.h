@@ -9,10 +9,10 @@
 namespace kelpie {
 
 /// How much a pattern of unit cells is its mean over a footprint.
-inline float cells_unseen(const Place& place) { return unseen(1.3f * place.width()); }
+inline float cells_unseen(const Place& place) { return unseen(1.3f * place.blind_width()); }
 /// And how much one of distances to their points, or to their borders, is: of these, gradients say little beyond half a cell.
-inline float distances_unseen(const Place& place) { return unseen(2.2f * place.width()); }
-inline float borders_unseen(const Place& place) { return unseen(3.2f * place.width()); }
+inline float distances_unseen(const Place& place) { return unseen(2.2f * place.blind_width()); }
+inline float borders_unseen(const Place& place) { return unseen(3.2f * place.blind_width()); }
 
 /// How distances in Worley's cells are distributed: what makes all phases of a pattern alike, so that a phase is the part of space
 /// where the distance is less. Measured at 25 equal steps from 0.
@@ -21,14 +21,14 @@ struct DistanceRanks {
   std::array<float, 25> below;  ///< the phase
   std::array<float, 25> spread; ///< the mean square of its gradient
 
-  /// The phase of a distance with this gradient.
+  /// The phase of a distance with this gradient. Below 0 it is mirrored: distances are.
   SpreadPhase phase(float distance, const Vec3& gradient, const Place& place) const {
     const float at = std::min(distance / step, 23.999f);
     const auto i = static_cast<size_t>(at);
     const float rise = below[i + 1] - below[i], slope = rise / step;
     // Phases drift where the spread changes, or they would no longer be alike (Fick's law): as if mixed by half the mean variance.
     const float mixed = 0.5f * place.mean_variance() * (spread[i + 1] - spread[i]) / std::max(rise, 1e-4f);
-    return {below[i] + rise * (at - static_cast<float>(i)) + mixed, slope * slope * place.variance(gradient)};
+    return {std::abs(below[i] + rise * (at - static_cast<float>(i)) + mixed), slope * slope * place.variance(gradient)};
   }
 };
 
@@ -78,7 +78,7 @@ constexpr float ball_volume(float radius) { return 4.18879020f * radius * radius
 /// The part of a footprint in balls of random radius, up to `radius`: one in each cube of the unit lattice that has one, which is the
 /// part `filled` of all. Balls lie in their cubes.
 inline float ball_part(const Place& place, float radius, float filled, uint32_t seed) {
-  const float lost = unseen(place.width() / radius), mean = filled * ball_volume(radius);
+  const float lost = unseen(place.blind_width() / radius), mean = filled * ball_volume(radius);
   if (lost == 1) return mean;
   const WorleyPoint ball = worley(place.p, seed, 1 - 2 * radius).first;
   if (unit_of(ball.id) >= filled) return lost * mean;

@@ -12,7 +12,7 @@ struct Dents : SolidTexture<Dents, Mode> {
     phase   = the part of space that is nearer to a point of Worley's cells of p / size + turbulence * noise(p)
     profile = phase^(2/3): about the square of the distance, 0 in the middle of a dent, 1 on the highest ridges)";
   static constexpr std::array<PlainStop, 3> k_default_stops{
-      {{0.f, 0.42f, 0.25f, 0.16f, 0.2f}, {0.6f, 0.55f, 0.33f, 0.215f, 0.24f}, {1.f, 0.68f, 0.43f, 0.29f, 0.3f}}};
+      {{0.f, 0.2f, 0.1f, 0.055f, 0.22f}, {0.6f, 0.45f, 0.25f, 0.15f, 0.25f}, {1.f, 0.74f, 0.48f, 0.32f, 0.3f}}};
   static constexpr PhaseDomain k_domain{0, 1, false};
 
   Dents() : SolidTexture<Dents, Mode>({.size = 0.25f}) {}

@@ -15,13 +15,13 @@ struct Leather : SolidTexture<Leather, Mode> {
 Good as a bump too.)";
   static constexpr std::array<PlainStop, 4> k_default_stops{{{0, 0.012f, 0.006f, 0.004f, 0.7f},
                                                              {0.4f, 0.05f, 0.022f, 0.012f, 0.5f},
-                                                             {0.75f, 0.115f, 0.052f, 0.027f, 0.4f},
-                                                             {1, 0.16f, 0.078f, 0.042f, 0.34f}}};
+                                                             {0.75f, 0.13f, 0.062f, 0.032f, 0.4f},
+                                                             {1, 0.21f, 0.112f, 0.062f, 0.34f}}};
   static constexpr PhaseDomain k_domain{0, 1, false};
 
-  Value<Mode, float> creases{0.5f};
+  Value<Mode, float> creases{0.4f};
 
-  Leather() : SolidTexture<Leather, Mode>({.size = 0.075f, .turbulence = 0.15f, .turbulence_size = 2, .turbulence_octaves = 2}) {}
+  Leather() : SolidTexture<Leather, Mode>({.size = 0.075f, .turbulence = 0.07f, .turbulence_size = 2, .turbulence_octaves = 2}) {}
 
   static constexpr auto parameters() {
     return std::tuple_cat(std::tuple{parameter("creases", &Leather::creases, "their part of space").above(0).at_most(1)},
@@ -40,7 +40,7 @@ Good as a bump too.)";
 
   float profile(float phase) const {
     const float side = std::min(phase / creases, 1.f);
-    return 0.85f * side * (2 - side) + 0.15f * phase;
+    return 0.6f * side * (2 - side) + 0.4f * phase;
   }
 };
 

@@ -23,7 +23,7 @@ Source: Perlin, "An image synthesizer" (1985).)";
   static constexpr PhaseDomain k_domain{0, 1, true};
 
   Value<Mode, Vec3> direction{Vec3(0.8f, 0.5f, 0.33f)};
-  Value<Mode, float> vein_width{1.f}, patches{0.35f};
+  Value<Mode, float> vein_width{1.f}, patches{0.3f};
 
   Marble() : SolidTexture<Marble, Mode>({.turbulence = 0.3f, .turbulence_size = 1.2f, .turbulence_octaves = 5}) {}
 
@@ -57,7 +57,7 @@ Source: Perlin, "An image synthesizer" (1985).)";
                                                   {0.62f, 0.8f, 0.010f, 0.10f},
                                                   {0.88f, 0.4f, 0.10f, 0.006f}}};
     const float wave = 4 * phase * (1 - phase);
-    float result = 0.16f * wave * wave;
+    float result = 0.3f * wave * wave;
     for (const Vein& vein : k_veins) {
       const float d = phase - vein.at - std::round(phase - vein.at);
       const float ridge = std::max(0.f, 1 - std::abs(d) / (vein_width * (d < 0 ? vein.before : vein.after)));

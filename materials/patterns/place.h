@@ -23,6 +23,11 @@ struct Place {
   float mean_variance() const { return (glm::dot(footprint.u, footprint.u) + glm::dot(footprint.v, footprint.v)) / 36 + blur; }
   /// The narrower side.
   float width() const { return std::sqrt(std::min(glm::dot(footprint.u, footprint.u), glm::dot(footprint.v, footprint.v)) + 12 * blur); }
+  /// A width between both sides': what is as wide as this cannot be told by its slope at one point.
+  float blind_width() const {
+    const float longer2 = std::max(glm::dot(footprint.u, footprint.u), glm::dot(footprint.v, footprint.v));
+    return std::max(width(), 0.65f * std::sqrt(longer2 + 12 * blur));
+  }
   Place scaled(float factor) const { return {p * factor, {footprint.u * factor, footprint.v * factor}, blur * factor * factor}; }
 
   /// Drawn out along a unit vector by one factor, across it by another.

@@ -111,13 +111,16 @@ private:
     smooth(level, 1);
     levels_.push_back(level);
   }
+  /// Smooths the last level.
   void smooth(const Level& level, int passes) {
-    std::vector<float> before;
+    const size_t begin = level.first * columns_;
     for (; passes > 0; --passes) {
-      before = entries_;
-      for (ptrdiff_t i = 0; i < static_cast<ptrdiff_t>(level.size); ++i)
-        for (size_t c = 0; c < columns_; ++c)
-          entries_[row(level, i) + c] = (before[row(level, i - 1) + c] + 2 * before[row(level, i) + c] + before[row(level, i + 1) + c]) / 4;
+      const std::vector<float> before(entries_.begin() + static_cast<ptrdiff_t>(begin), entries_.end());
+      for (ptrdiff_t i = 0; i < static_cast<ptrdiff_t>(level.size); ++i) {
+        const float *left = before.data() + row(level, i - 1) - begin, *here = before.data() + row(level, i) - begin;
+        const float* right = before.data() + row(level, i + 1) - begin;
+        for (size_t c = 0; c < columns_; ++c) entries_[row(level, i) + c] = (left[c] + 2 * here[c] + right[c]) / 4;
+      }
     }
   }
 
