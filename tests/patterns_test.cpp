@@ -250,7 +250,7 @@ TEST(Patterns, OfOtherSeedsAreOther) {
 
 TEST(Patterns, OfEveryKindAreTheSameOnEveryMachine) {
   const std::map<std::string_view, uint32_t> expected{
-      {"marble", 2974208076u},  {"wood", 3822327230u},     {"granite", 3229761400u},  {"stone", 644321722u},
+      {"marble", 2974208076u},  {"wood", 3822327230u},     {"granite", 3229761400u}, {"stone", 644321722u},
       {"rust", 204965984u},     {"leather", 2669834582u},  {"leopard", 1723708143u}, {"giraffe", 415598812u},
       {"stripes", 3677534474u}, {"gradient", 1595305444u}, {"strata", 2738620867u},  {"brushed", 63762445u},
       {"cells", 4197545396u},   {"spots", 78090453u},      {"dents", 1890938118u},   {"checker", 3853618985u},
@@ -358,7 +358,7 @@ TEST(Patterns, NeitherShimmerNorBlurAtAnyDistance) {
       const Distance seen = picture(sample, period / pixels, true), exact = picture(sample, period / pixels, false); // of the same places
       EXPECT_NEAR(seen.mean, exact.mean, 0.02 * exact.mean);
       if (pixels < 0.5f) {
-        EXPECT_LE(seen.noise, 0.06 * exact.mean); // that of 16 samples of any light is more
+        EXPECT_LE(seen.noise, 0.06 * exact.mean); // beside a light whose own noise is 5.4 %, 1.5 times that
       }
       if (pixels > 8) {
         EXPECT_GE(seen.contrast, 0.95 * exact.contrast);
