@@ -42,7 +42,7 @@ void for_each_surface(int trials, Test&& test) {
       Random r(static_cast<unsigned>(trial));
       const SurfaceParameters surface = trial == 0 ? Kind<SampledMode>{}.surface() : random_surface<Kind>(r).surface();
       const SurfaceBsdf bsdf(surface, trial == 0 ? Boundary::in_air(surface) : random_boundary(surface, r));
-      const Vec3 out = direction(r.uniform(0.1, 1), r.uniform(0, 2 * k_pi));
+      const Vec3 out = direction(r.uniform(0.1, 1), r.uniform(0, 2 * std::numbers::pi));
       test(trial % 4 == 3 ? bsdf.at_least_as_rough_as(0.3f) : bsdf, out, surface);
     }
   });

@@ -77,7 +77,7 @@ TEST(Conformance, RangeOverABoxContainsItsSamples) {
     for (int i = 0; i < 30; ++i) {
       const Vec3d p = r.in(box);
       EXPECT_TRUE(holds(range, field(point<double>(p))));
-      const Gradient g = field(variables(p));
+      const ValueAndSlopes g = field(variables(p));
       for (int axis = 0; axis < 3; ++axis) EXPECT_TRUE(holds(slopes.d[axis], g.d[axis], 1e-8));
     }
   });
@@ -133,7 +133,7 @@ TEST(Conformance, SolidsAreNoSteeperThanTheirFalloffs) {
         const Box3d support{Vec3d(kind.support().lower), Vec3d(kind.support().upper)};
         const double most = std::abs(double(kind.weight)) * steepest(kind.falloff).most / double(kind.radius);
         for (int i = 0; i < 20; ++i) {
-          const Gradient f = potential(kind, variables(r.in(support)));
+          const ValueAndSlopes f = potential(kind, variables(r.in(support)));
           const double slope = glm::length(Vec3d(f.d[0], f.d[1], f.d[2]));
           EXPECT_LE(slope, most * (1 + 1e-9)) << trial;
           closest = std::max(closest, slope / most);

@@ -54,9 +54,9 @@ TEST(Conformance, OperatorsDifferentiate) {
       for (size_t i = 0; i < f.size(); ++i) moved[i] += p[i % 3] * double(1 + i);
       return kind.combine(std::span<const double>(moved), operands.threshold, mine);
     };
-    std::vector<Gradient> duals;
-    for (size_t i = 0; i < f.size(); ++i) duals.push_back(Gradient(f[i]) + Gradient::variable(0, int(i % 3)) * double(1 + i));
-    check.compare(along, kind.combine(std::span<const Gradient>(duals), operands.threshold, mine), Vec3d(0));
+    std::vector<ValueAndSlopes> duals;
+    for (size_t i = 0; i < f.size(); ++i) duals.push_back(ValueAndSlopes(f[i]) + ValueAndSlopes::variable(0, int(i % 3)) * double(1 + i));
+    check.compare(along, kind.combine(std::span<const ValueAndSlopes>(duals), operands.threshold, mine), Vec3d(0));
   });
   check.expect_enough();
 }

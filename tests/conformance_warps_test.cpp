@@ -42,7 +42,7 @@ TEST(Conformance, WarpsInvertAndBoundTheirImages) {
           EXPECT_LT(glm::distance(Vec3d(back.x, back.y, back.z), p), 1e-9);
           EXPECT_TRUE(image.contains(Vec3d(moved.x, moved.y, moved.z)));
           EXPECT_TRUE(holds(range.x, q.x) && holds(range.y, q.y) && holds(range.z, q.z));
-          const Point3<Gradient> g = kind.child_from_parent(variables(p));
+          const Point3<ValueAndSlopes> g = kind.child_from_parent(variables(p));
           for (int axis = 0; axis < 3; ++axis)
             EXPECT_TRUE(holds(slopes.x.d[axis], g.x.d[axis], 1e-9) && holds(slopes.y.d[axis], g.y.d[axis], 1e-9) &&
                         holds(slopes.z.d[axis], g.z.d[axis], 1e-9));
@@ -72,9 +72,9 @@ TEST(Conformance, WarpsPartFromTheirTangentsAsTheySay) {
         ++bounded;
         for (int i = 0; i < 20; ++i) {
           const Vec3d p = r.in(box), q = r.in(box);
-          const Point3<Gradient> at_p = kind.child_from_parent(variables(p));
+          const Point3<ValueAndSlopes> at_p = kind.child_from_parent(variables(p));
           const Point3<double> at_q = kind.child_from_parent(point<double>(q));
-          const auto apart = [&](const Gradient& f, double g) {
+          const auto apart = [&](const ValueAndSlopes& f, double g) {
             return g - f.value - (f.d[0] * (q.x - p.x) + f.d[1] * (q.y - p.y) + f.d[2] * (q.z - p.z));
           };
           const double squared = glm::dot(q - p, q - p);

@@ -36,11 +36,11 @@ void for_each_distance(Test&& test) {
 TEST(SignedDistances, AreExact) {
   int compared = 0;
   for_each_distance([&](const auto& kind, Random& r) {
-    using Gradient = Dual<double, 3>;
+    using ValueAndSlopes = Dual<double, 3>;
     for (int i = 0; i < 20; ++i) {
       const Vec3d p = r.in(Box3d{Vec3d(-3), Vec3d(3)});
-      const Gradient d =
-          kind.signed_distance(Point3<Gradient>{Gradient::variable(p.x, 0), Gradient::variable(p.y, 1), Gradient::variable(p.z, 2)});
+      const ValueAndSlopes d =
+          kind.signed_distance(Point3<ValueAndSlopes>{ValueAndSlopes::variable(p.x, 0), ValueAndSlopes::variable(p.y, 1), ValueAndSlopes::variable(p.z, 2)});
       const Vec3d slope(d.d[0], d.d[1], d.d[2]);
       EXPECT_LT(glm::length(slope), 1 + 1e-9);
       if (glm::length(slope) < 1 - 1e-9) continue; // as far from one side as from another

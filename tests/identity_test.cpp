@@ -143,7 +143,7 @@ TEST(Identities, OfBlobsSurviveFoldingAndSorting) {
     ASSERT_EQ(program->identities->blobs.size(), program->blobs.size());
     std::set<std::pair<uint32_t, uint32_t>> met;
     for (uint32_t i = 0; i < program->blobs.size(); ++i) {
-      const auto [node, part] = program->identities->blobs[i];
+      const auto [node, part, place_of_material] = program->identities->blobs[i];
       const Blob& blob = (*std::get<Blobs<SampledMode>>(scene->nodes[node]).cloud)[part];
       const BlobNumbers now = program->blob(i);
       ASSERT_LT(glm::distance(place(Vec3d(blob.centre)), Vec3d(now.x, now.y, now.z)), 1e-5);

@@ -272,8 +272,8 @@ TEST(EnergyTable, IsTheIntegralOfGgx) {
       double sum = 0;
       for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) {
-          const Vec3 in = direction((i + 0.5) / n, 2 * k_pi * (j + 0.5) / n), m = glm::normalize(out + in);
-          sum += facets.density(m) / (1 + facets.lambda(out) + facets.lambda(in)) / (4 * out.z) * 2 * k_pi / (n * n);
+          const Vec3 in = direction((i + 0.5) / n, 2 * std::numbers::pi * (j + 0.5) / n), m = glm::normalize(out + in);
+          sum += facets.density(m) / (1 + facets.lambda(out) + facets.lambda(in)) / (4 * out.z) * 2 * std::numbers::pi / (n * n);
         }
       EXPECT_NEAR(mirror_albedo(float(cosine), alpha), sum, 0.005) << alpha << " " << cosine;
     }

@@ -18,6 +18,8 @@ float mis_weight(float pdf, float other) {
 /// thousand tries: fireflies. There its lobe is widened to this (path regularisation, after Kaplanyan and
 /// Dachsbacher 2013): caustics become softer, light is neither lost nor made.
 constexpr float k_alpha_after_matte = 0.3f;
+/// A direction that was chosen with less than this density came from a lobe that is at least as wide: then the vertex was matte.
+constexpr float k_matte_density = 0.9f;
 /// From here on, dim paths are ended by chance.
 constexpr int k_roulette_from = 4;
 
@@ -105,7 +107,6 @@ PathTracer::Vertex PathTracer::arrive(Path& path, const Hit& hit, int bounce) co
   if (!boundary.from_inside) path.result.radiance += path.throughput * (surface.emission_color.rgb * surface.emission_luminance);
   const SurfaceBsdf bsdf(surface, boundary);
   Vertex vertex(path, hit, path.after_matte ? bsdf.at_least_as_rough_as(k_alpha_after_matte) : bsdf);
-  path.after_matte = path.after_matte || !bsdf.is_glossy();
   if (bounce == 0) path.result.is_hit = true, path.result.hit = hit, path.result.albedo = vertex.bsdf.albedo();
   // On a matte surface the samples of lights alone are the best estimate of direct light (their density
   // follows the radiance, so only the cosine varies): a scattered ray that finds light adds noise. On a
@@ -165,6 +166,7 @@ bool PathTracer::scatter(Vertex& vertex, int bounce, RayCounters& counters) cons
   const Vec3 u = path.sampler.next_triple();
   path.scattered = vertex.bsdf.sample(vertex.out, u.z, Vec2(u.x, u.y));
   if (path.scattered.pdf <= 0) return false;
+  path.after_matte = path.after_matte || (!path.scattered.is_delta && path.scattered.pdf < k_matte_density);
   path.throughput *= path.scattered.weight, path.eta *= path.scattered.eta;
   path.cone = path.cone.scattered(vertex.hit.t, path.scattered.pdf, path.scattered.is_delta);
   path.ray = vertex.leave(path.scattered.direction, vertex.basis.world_from_local(path.scattered.direction));

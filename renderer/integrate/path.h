@@ -41,7 +41,7 @@ struct Path {
   float eta = 1;            ///< refractive index around `ray` over that around the camera
   BsdfSample scattered;     ///< how `ray` left the last vertex
   bool seeks_light = false; ///< whether light that `ray` finds counts
-  bool after_matte = false; ///< whether a vertex was matte
+  bool after_matte = false; ///< whether a vertex was matte, or as good as that
   PathResult result;
 };
 

@@ -18,16 +18,16 @@
 #define KELPIE_TREE_GRADIENT_ONCE
 namespace kelpie {
 
-using Gradient = Dual<double, 3>;
+using ValueAndSlopes = Dual<double, 3>;
 
 /// By the skeleton's own formula.
-inline Gradient solid_value(const FieldProgram& program, const SolidLeaf& leaf, const Vec3& place) {
-  thread_local SpacePoints<Gradient> points;
+inline ValueAndSlopes solid_value(const FieldProgram& program, const SolidLeaf& leaf, const Vec3& place) {
+  thread_local SpacePoints<ValueAndSlopes> points;
   points.begin(program);
-  const Point3<Gradient> world{Gradient::variable(place.x, 0), Gradient::variable(place.y, 1), Gradient::variable(place.z, 2)};
-  const Point3<Gradient> p = points.at(program, leaf.space, world);
+  const Point3<ValueAndSlopes> world{ValueAndSlopes::variable(place.x, 0), ValueAndSlopes::variable(place.y, 1), ValueAndSlopes::variable(place.z, 2)};
+  const Point3<ValueAndSlopes> p = points.at(program, leaf.space, world);
   return std::visit(
-      [&](const auto& kind) -> Gradient {
+      [&](const auto& kind) -> ValueAndSlopes {
         using K = std::decay_t<decltype(kind)>;
         if constexpr (Skeleton<K>) return potential(kind, p) * potential_unit(kind, program.threshold);
         return {};
@@ -135,18 +135,18 @@ Vec3 TreeGradient(const ShapeCells& shape, const Cell& cell, const Vec3& place) 
     hn::StoreU(g.x, k_lanes, &leaves[1][i]), hn::StoreU(g.y, k_lanes, &leaves[2][i]), hn::StoreU(g.z, k_lanes, &leaves[3][i]);
   }
 
-  const auto add_step = [&](const TreeStep& step, Gradient& out) {
+  const auto add_step = [&](const TreeStep& step, ValueAndSlopes& out) {
     if (step.kind == TreeStep::Kind::solid) {
       out = solid_value(shape.program, tree.solids.leaves[step.first], place);
       return;
     }
-    Gradient sum;
+    ValueAndSlopes sum;
     for (uint32_t i = step.first; i < step.first + step.count; ++i)
-      if (leaves[0][i] != 0) sum = sum + Gradient(leaves[0][i], {double(leaves[1][i]), double(leaves[2][i]), double(leaves[3][i])});
+      if (leaves[0][i] != 0) sum = sum + ValueAndSlopes(leaves[0][i], {double(leaves[1][i]), double(leaves[2][i]), double(leaves[3][i])});
     out = sum;
   };
-  const auto join = [&](const TreeStep& step, Gradient* operands) { operands[0] = combine(shape.program, step, operands); };
-  const Gradient f = fold_tree<Gradient>(tree.steps, add_step, join);
+  const auto join = [&](const TreeStep& step, ValueAndSlopes* operands) { operands[0] = combine(shape.program, step, operands); };
+  const ValueAndSlopes f = fold_tree<ValueAndSlopes>(tree.steps, add_step, join);
   return Vec3(Vec3d(f.d[0], f.d[1], f.d[2]));
 }
 

@@ -3,14 +3,13 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "materials/surface_bsdf.h"
 #include "renderer/integrate/orthonormal_basis.h"
 #include "renderer/integrate/sampler.h"
 
 namespace kelpie {
-
-inline constexpr double k_pi = 3.14159265358979;
 
 inline Vec3 direction(double cosine, double phi) {
   const double sine = std::sqrt(1 - cosine * cosine);
@@ -58,10 +57,10 @@ inline Tally integrated(const SurfaceBsdf& bsdf, const Vec3& out, const Tally& s
   const OrthonormalBasis around(transmitted == (side.peak.z < 0) ? side.peak : -side.peak);
   Tally tally;
   for (int i = 0; i < n; ++i) {
-    const double t = (i + 0.5) / n, theta = k_pi * t * t * t * t;
-    const double solid_angle = std::sin(theta) * 4 * k_pi * t * t * t / n * 2 * k_pi / n;
+    const double t = (i + 0.5) / n, theta = std::numbers::pi * t * t * t * t;
+    const double solid_angle = std::sin(theta) * 4 * std::numbers::pi * t * t * t / n * 2 * std::numbers::pi / n;
     for (int j = 0; j < n; ++j) {
-      const Vec3 in = around.world_from_local(direction(std::cos(theta), 2 * k_pi * (j + 0.5) / n));
+      const Vec3 in = around.world_from_local(direction(std::cos(theta), 2 * std::numbers::pi * (j + 0.5) / n));
       if ((in.z < 0) != transmitted) continue;
       tally.probability += bsdf.pdf(out, in) * solid_angle;
       tally.scattered += Vec3d(bsdf.evaluate(out, in)) * (side.eta * side.eta * solid_angle);

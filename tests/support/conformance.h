@@ -9,7 +9,7 @@
 
 namespace kelpie {
 
-using Gradient = Dual<double, 3>;
+using ValueAndSlopes = Dual<double, 3>;
 using GradientRange = Dual<Interval, 3>;
 
 inline constexpr int k_trials = 200;
@@ -21,8 +21,8 @@ Point3<Real> point(const Vec3d& p) {
 inline Point3<Interval> box_point(const Box3d& b) { return {{b.lower.x, b.upper.x}, {b.lower.y, b.upper.y}, {b.lower.z, b.upper.z}}; }
 
 /// x, y and z as independent variables.
-inline Point3<Gradient> variables(const Vec3d& p) {
-  return {Gradient::variable(p.x, 0), Gradient::variable(p.y, 1), Gradient::variable(p.z, 2)};
+inline Point3<ValueAndSlopes> variables(const Vec3d& p) {
+  return {ValueAndSlopes::variable(p.x, 0), ValueAndSlopes::variable(p.y, 1), ValueAndSlopes::variable(p.z, 2)};
 }
 inline Point3<GradientRange> variables(const Box3d& b) {
   const Point3<Interval> p = box_point(b);
@@ -41,7 +41,7 @@ inline Box3d random_box(Random& r, const Box3d& near) {
 class GradientCheck {
 public:
   template <class Field>
-  void compare(const Field& f, const Gradient& g, const Vec3d& p) {
+  void compare(const Field& f, const ValueAndSlopes& g, const Vec3d& p) {
     constexpr double k_step = 1e-6;
     for (int i = 0; i < 3; ++i) {
       Vec3d h(0);
