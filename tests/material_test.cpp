@@ -103,10 +103,10 @@ TEST(Materials, AreThoseOfTheFormulas) {
     SCOPED_TRACE(trial);
     const SampledField field = random_matter(trial);
     const FieldProgram program = compile(field, 1, k_with_identities);
-    const ValueCells cells(compile(field, 1, k_with_identities), {Vec3d(-1.5), Vec3d(1.5)});
+    const ValueCells cells(compile(field, 1, k_with_identities), {Vec3d(-1), Vec3d(1)}); // some points lie beyond
     Random r(trial);
     for (int i = 0; i < 500; ++i) {
-      const Vec3d p = r.in(Box3d{Vec3d(-1.6), Vec3d(1.6)});
+      const Vec3d p = r.in(Box3d{Vec3d(-1.1), Vec3d(1.1)});
       const Shares truth = expected(field, p, 1);
       expect_equal(found(program, program.code, p), truth);
       expect_equal(found(cells.program(), cells.code_at(p), p), truth);
@@ -115,7 +115,7 @@ TEST(Materials, AreThoseOfTheFormulas) {
     }
   }
   EXPECT_GT(compared, 20'000);
-  EXPECT_GT(mixed, 5'000);
+  EXPECT_GT(mixed, 4'000);
 }
 
 TEST(Materials, AreTheSameInTheCellOfAHit) {
@@ -159,7 +159,7 @@ TEST(Materials, GoWithWhatMoves) {
     moving += programs[0].motion != nullptr;
     for (const double u : {0.0, 0.3, 0.8})
       for (int i = 0; i < 60; ++i) {
-        const Vec3d p = r.in(Box3d{Vec3d(-1.5), Vec3d(1.5)});
+        const Vec3d p = r.in(Box3d{Vec3d(-1.1), Vec3d(1.1)});
         const Shares truth = expected(moving_field_at(field, u), p, 1);
         expect_equal(found(at_with_materials(programs[0], code, u), code, p), truth);
         compared += truth.total > 0;
