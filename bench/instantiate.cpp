@@ -25,7 +25,7 @@ Animated<T> moving(const T& from, const T& to) {
 }
 Vec3 place(int i, float phase) { return {0.1f * float(i % 97), std::sin(0.1f * float(i) + phase), 0.1f * float(i / 97)}; }
 
-FieldPtr node(FieldKinds::Variant<AnimatedMode> kind) { return std::make_shared<FieldNode>(FieldNode{std::move(kind), {}}); }
+FieldPtr node(FieldKinds::Variant<AnimatedMode> kind) { return std::make_shared<FieldNode>(FieldNode{std::move(kind), {}, {}}); }
 
 /// A cone-sphere of which every length moves.
 FieldPtr bone(int i) {
