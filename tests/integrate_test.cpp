@@ -83,9 +83,9 @@ TEST(Lights, SunGivesItsStrengthWhateverItsAngle) {
     double irradiance = 0;
     constexpr uint32_t n = 4096;
     for (uint32_t s = 0; s < n; ++s) {
-      const Arrival a = light.sample(Sampler(0, 0, 0, s).next_pair());
+      const Arrival a = light.sample(Vec3(0), Sampler(0, 0, 0, s).next_pair());
       irradiance += a.radiance.x * a.direction.y / a.pdf / n;
-      EXPECT_FLOAT_EQ(a.is_delta ? 0 : light.seen_along(a.direction).pdf, a.is_delta ? 0 : a.pdf);
+      EXPECT_FLOAT_EQ(a.is_delta ? 0 : light.seen_along(Vec3(0), a.direction).pdf, a.is_delta ? 0 : a.pdf);
     }
     EXPECT_NEAR(irradiance, 3, 3e-3) << angle;
   }

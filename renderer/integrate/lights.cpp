@@ -23,12 +23,12 @@ EnvironmentEmitter::EnvironmentEmitter(std::shared_ptr<const EnvironmentMap> map
     : map_(std::move(map)), strength_(light.strength), cos_(std::cos(glm::radians(light.rotation))),
       sin_(std::sin(glm::radians(light.rotation))) {}
 
-Arrival EnvironmentEmitter::sample(Vec2 u) const {
+Arrival EnvironmentEmitter::sample(const Vec3&, Vec2 u) const {
   const LightSample s = map_->sample(u);
   return {turn(s.direction, sin_), strength_ * s.radiance, s.pdf, false};
 }
 
-Arrival EnvironmentEmitter::seen_along(const Vec3& d) const {
+Arrival EnvironmentEmitter::seen_along(const Vec3&, const Vec3& d) const {
   const Vec3 in_map = turn(d, -sin_);
   return {d, strength_ * map_->radiance(in_map), map_->pdf(in_map), false};
 }
@@ -43,14 +43,14 @@ SunEmitter::SunEmitter(const SunLight<SampledMode>& sun) : direction_(glm::norma
   radiance_ = irradiance / (k_pi * std::pow(std::sin(radius), 2.f));
 }
 
-Arrival SunEmitter::sample(Vec2 u) const {
+Arrival SunEmitter::sample(const Vec3&, Vec2 u) const {
   if (is_delta()) return {direction_, radiance_, 1, true};
   const float cosine = 1 - u.x * solid_angle_ / (2 * k_pi), sine = std::sqrt(std::max(0.f, 1 - cosine * cosine)), phi = 2 * k_pi * u.y;
   const Vec3 local(sine * std::cos(phi), sine * std::sin(phi), cosine);
   return {OrthonormalBasis(direction_).world_from_local(local), radiance_, 1 / solid_angle_, false};
 }
 
-Arrival SunEmitter::seen_along(const Vec3& d) const {
+Arrival SunEmitter::seen_along(const Vec3&, const Vec3& d) const {
   if (is_delta() || glm::dot(d, direction_) < cos_radius_) return {d, Vec3(0), 0, false};
   return {d, radiance_, 1 / solid_angle_, false};
 }
@@ -60,6 +60,14 @@ EnvironmentEmitter make_emitter(const EnvironmentLight<SampledMode>& light, Envi
 }
 
 SunEmitter make_emitter(const SunLight<SampledMode>& sun, EnvironmentCache&, Diagnostics&) { return SunEmitter(sun); }
+
+RectangleEmitter make_emitter(const RectangleLight<SampledMode>& light, EnvironmentCache&, Diagnostics&) { return RectangleEmitter(light); }
+
+DiscEmitter make_emitter(const DiscLight<SampledMode>& light, EnvironmentCache&, Diagnostics&) { return DiscEmitter(light); }
+
+SphereEmitter make_emitter(const SphereLight<SampledMode>& light, EnvironmentCache&, Diagnostics&) { return SphereEmitter(light); }
+
+PointEmitter make_emitter(const PointLight<SampledMode>& light, EnvironmentCache&, Diagnostics&) { return PointEmitter(light); }
 
 std::vector<Light> make_lights(const FrameScene& frame, EnvironmentCache& cache, Diagnostics& diagnostics) {
   std::vector<Light> lights;

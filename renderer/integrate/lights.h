@@ -1,4 +1,4 @@
-// The lights of a frame, all of them infinitely far away: environments and suns.
+// The lights of a frame. Here are those that are infinitely far away: environments and suns.
 #pragma once
 
 #include <map>
@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "base/error.h"
+#include "renderer/integrate/emitter.h"
+#include "renderer/integrate/near_lights.h"
 #include "renderer/light/environment_map.h"
 #include "scene/scene.h"
 
@@ -22,38 +24,17 @@ private:
   std::map<std::pair<std::string, EnvironmentPreset>, std::shared_ptr<const EnvironmentMap>> maps_;
 };
 
-/// Light that arrives from one direction.
-struct Arrival {
-  Vec3 direction{0}; ///< towards the light, unit
-  Vec3 radiance{0};  ///< irradiance across the direction, where `is_delta`
-  float pdf = 0;     ///< of sampling the direction, per solid angle; 0: no sample
-  bool is_delta = false;
-};
-
-/// What a kind of light answers once it is ready for a frame.
-template <class T>
-concept Emitter = requires(const T& emitter, Vec2 u, const Vec3& direction) {
-  /// Light from a direction by importance, for u in [0, 1)^2.
-  { emitter.sample(u) } -> std::same_as<Arrival>;
-  /// What a ray that misses everything sees of this light, and how likely `sample` is to choose its direction.
-  { emitter.seen_along(direction) } -> std::same_as<Arrival>;
-  /// Whether all light comes from one direction, which no ray finds by chance.
-  { emitter.is_delta() } -> std::same_as<bool>;
-  /// Whether the camera sees it behind everything, where the film's background is `environment`.
-  { emitter.is_background() } -> std::same_as<bool>;
-  /// Whether rays towards it run side by side where they start side by side: such rays are traced as packets.
-  { emitter.is_narrow() } -> std::same_as<bool>;
-};
-
 /// An environment map, turned and with its strength.
 class EnvironmentEmitter {
 public:
   EnvironmentEmitter(std::shared_ptr<const EnvironmentMap> map, const EnvironmentLight<SampledMode>&);
 
-  Arrival sample(Vec2 u) const;
-  Arrival seen_along(const Vec3& direction) const;
+  Arrival sample(const Vec3& p, Vec2 u) const;
+  Arrival seen_along(const Vec3& p, const Vec3& direction) const;
   bool is_delta() const { return false; }
+  bool is_distant() const { return true; }
   bool is_background() const { return true; }
+  bool is_visible() const { return false; }
   bool is_narrow() const { return false; }
 
 private:
@@ -69,10 +50,12 @@ class SunEmitter {
 public:
   explicit SunEmitter(const SunLight<SampledMode>&);
 
-  Arrival sample(Vec2 u) const;
-  Arrival seen_along(const Vec3& direction) const;
+  Arrival sample(const Vec3& p, Vec2 u) const;
+  Arrival seen_along(const Vec3& p, const Vec3& direction) const;
   bool is_delta() const { return solid_angle_ == 0; }
+  bool is_distant() const { return true; }
   bool is_background() const { return false; }
+  bool is_visible() const { return false; }
   bool is_narrow() const { return true; }
 
 private:
@@ -83,6 +66,10 @@ private:
 // What each kind of light becomes: a kind without such a function does not compile.
 EnvironmentEmitter make_emitter(const EnvironmentLight<SampledMode>&, EnvironmentCache&, Diagnostics&);
 SunEmitter make_emitter(const SunLight<SampledMode>&, EnvironmentCache&, Diagnostics&);
+RectangleEmitter make_emitter(const RectangleLight<SampledMode>&, EnvironmentCache&, Diagnostics&);
+DiscEmitter make_emitter(const DiscLight<SampledMode>&, EnvironmentCache&, Diagnostics&);
+SphereEmitter make_emitter(const SphereLight<SampledMode>&, EnvironmentCache&, Diagnostics&);
+PointEmitter make_emitter(const PointLight<SampledMode>&, EnvironmentCache&, Diagnostics&);
 
 /// Any of the emitters that the kinds of a list become.
 template <class Kinds>
@@ -101,14 +88,20 @@ public:
   using Any = Emitters<LightKinds>::Variant;
   explicit Light(Any emitter) : emitter_(std::move(emitter)) {}
 
-  Arrival sample(Vec2 u) const {
-    return std::visit([&](const auto& e) { return e.sample(u); }, emitter_);
+  Arrival sample(const Vec3& p, Vec2 u) const {
+    return std::visit([&](const auto& e) { return e.sample(p, u); }, emitter_);
   }
-  Arrival seen_along(const Vec3& direction) const {
-    return std::visit([&](const auto& e) { return e.seen_along(direction); }, emitter_);
+  Arrival seen_along(const Vec3& p, const Vec3& direction) const {
+    return std::visit([&](const auto& e) { return e.seen_along(p, direction); }, emitter_);
   }
   bool is_delta() const {
     return std::visit([](const auto& e) { return e.is_delta(); }, emitter_);
+  }
+  bool is_distant() const {
+    return std::visit([](const auto& e) { return e.is_distant(); }, emitter_);
+  }
+  bool is_visible() const {
+    return std::visit([](const auto& e) { return e.is_visible(); }, emitter_);
   }
   bool is_background() const {
     return std::visit([](const auto& e) { return e.is_background(); }, emitter_);

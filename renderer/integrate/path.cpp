@@ -46,7 +46,7 @@ struct PathTracer::Vertex {
 PathTracer::PathTracer(const Tracer& tracer, const std::vector<Light>& lights, const FrameScene& frame)
     : frame_(frame), tracer_(tracer), lights_(lights), background_(frame.film.background), surfaces_(frame, tracer),
       bounces_(frame.film.bounces) {
-  for (const Light& light : lights_) has_extended_light_ |= !light.is_delta();
+  for (const Light& light : lights_) has_extended_light_ |= !light.is_delta(), has_near_light_ |= !light.is_distant();
 }
 
 void PathTracer::trace(std::span<Path> paths, RayCounters& counters) const {
@@ -103,6 +103,7 @@ PathTracer::Vertex PathTracer::arrive(Path& path, const Hit& hit, int bounce) co
   SurfaceParameters memory;
   const SurfaceParameters& surface = surfaces_.at(hit, footprint, memory);
   const Boundary boundary = boundary_at(path.ray, hit, surface);
+  if (has_near_light_) path.result.radiance += path.throughput * found(path, glm::distance(path.start, hit.position), bounce);
   path.throughput *= left_of_light(path, hit);
   if (!boundary.from_inside) path.result.radiance += path.throughput * (surface.emission_color.rgb * surface.emission_luminance);
   const SurfaceBsdf bsdf(surface, boundary);
@@ -154,7 +155,7 @@ Vec3 PathTracer::left_of_light(const Path& path, const Hit& hit) const {
 /// The path's ray met nothing.
 void PathTracer::escape(Path& path, int bounce) const {
   if (bounce == 0) path.result.radiance = background(path.ray.direction);
-  if (path.seeks_light) path.result.radiance += path.throughput * escaped(path.ray.direction, path.scattered);
+  path.result.radiance += path.throughput * found(path, k_infinitely_far, bounce);
 }
 
 /// Gives a path its next ray; false if it ends here.
@@ -171,8 +172,7 @@ bool PathTracer::scatter(Vertex& vertex, int bounce, RayCounters& counters) cons
   path.cone = path.cone.scattered(vertex.hit.t, path.scattered.pdf, path.scattered.is_delta);
   path.ray = vertex.leave(path.scattered.direction, vertex.basis.world_from_local(path.scattered.direction));
   if (is_last) {
-    ++counters.shadow;
-    if (!tracer_.occluded(path.ray, counters.solve)) path.result.radiance += path.throughput * escaped(path.ray.direction, path.scattered);
+    path.result.radiance += path.throughput * found_at_last(path, counters);
     return false;
   }
   if (bounce >= k_roulette_from) {
@@ -191,7 +191,7 @@ Vec3 PathTracer::background(const Vec3& direction) const {
   if (background_.kind == Background::Kind::colour) return background_.colour.rgb;
   Vec3 sum(0);
   for (const Light& light : lights_)
-    if (light.is_background()) sum += light.seen_along(direction).radiance;
+    if (light.is_background()) sum += light.seen_along(Vec3(0), direction).radiance;
   return sum;
 }
 
@@ -204,13 +204,13 @@ void PathTracer::add_direct_light(std::span<Vertex> vertices, int bounce, RayCou
     for (Vertex& vertex : vertices) {
       const Vec2 u = light.is_delta() ? Vec2(0) : vertex.path.sampler.next_pair();
       if (vertex.bsdf.is_delta()) continue;
-      const Arrival arrival = light.sample(u);
+      const Arrival arrival = light.sample(vertex.hit.position, u);
       if (!(arrival.pdf > 0)) continue;
       const Vec3 in = vertex.basis.local_from_world(arrival.direction);
       const Vec3 scattered = vertex.bsdf.evaluate(vertex.out, in) * arrival.radiance;
       if (scattered == Vec3(0)) continue;
       const bool competes = vertex.path.seeks_light && !arrival.is_delta;
-      rays[n] = vertex.leave(in, arrival.direction), takers[n] = &vertex;
+      rays[n] = vertex.leave(in, arrival.direction), rays[n].t_far = arrival.distance, takers[n] = &vertex;
       gains[n++] = scattered * ((competes ? mis_weight(arrival.pdf, vertex.bsdf.pdf(vertex.out, in)) : 1.f) / arrival.pdf);
     }
     counters.shadow += n;
@@ -222,12 +222,34 @@ void PathTracer::add_direct_light(std::span<Vertex> vertices, int bounce, RayCou
   }
 }
 
-/// Light found by a scattered ray that met nothing.
-Vec3 PathTracer::escaped(const Vec3& direction, const BsdfSample& scattered) const {
+/// Light that a path's ray finds on its way, which nothing hides as far as `reach`: what the camera sees of it, or what samples of
+/// lights leave to a scattered ray.
+Vec3 PathTracer::found(const Path& path, float reach, int bounce) const {
   Vec3 sum(0);
+  if (bounce > 0 && !path.seeks_light) return sum;
   for (const Light& light : lights_) {
-    const Arrival arrival = light.seen_along(direction);
-    sum += arrival.radiance * (scattered.is_delta ? 1.f : mis_weight(scattered.pdf, arrival.pdf));
+    if (bounce == 0 ? !light.is_visible() : light.is_distant() && reach < k_infinitely_far) continue;
+    const Arrival arrival = light.seen_along(path.start, path.ray.direction);
+    if (!(arrival.distance <= reach)) continue;
+    sum += arrival.radiance * (bounce == 0 || path.scattered.is_delta ? 1.f : mis_weight(path.scattered.pdf, arrival.pdf));
+  }
+  return sum;
+}
+
+/// The same for a scattered ray that is not followed to what it meets.
+Vec3 PathTracer::found_at_last(const Path& path, RayCounters& counters) const {
+  Vec3 sum(0);
+  Ray ray = path.ray;
+  ray.t_far = 0; // as far as was looked
+  bool is_hidden = false;
+  for (const Light& light : lights_) {
+    const Arrival arrival = light.seen_along(ray.origin, ray.direction);
+    if (arrival.radiance == Vec3(0)) continue;
+    if (arrival.distance != ray.t_far) {
+      ray.t_far = arrival.distance, is_hidden = tracer_.occluded(ray, counters.solve);
+      ++counters.shadow;
+    }
+    if (!is_hidden) sum += arrival.radiance * (path.scattered.is_delta ? 1.f : mis_weight(path.scattered.pdf, arrival.pdf));
   }
   return sum;
 }

@@ -68,7 +68,8 @@ private:
   bool scatter(Vertex& vertex, int bounce, RayCounters& counters) const;
 
   Vec3 background(const Vec3& direction) const;
-  Vec3 escaped(const Vec3& direction, const BsdfSample& scattered) const;
+  Vec3 found(const Path&, float reach, int bounce) const;
+  Vec3 found_at_last(const Path&, RayCounters& counters) const;
 
   const FrameScene& frame_;
   const Tracer& tracer_;
@@ -77,6 +78,7 @@ private:
   Surfaces surfaces_;
   int bounces_;
   bool has_extended_light_ = false; ///< one that a scattered ray can find
+  bool has_near_light_ = false;     ///< one that may lie before what a ray meets
 };
 
 } // namespace kelpie
