@@ -13,6 +13,7 @@
 #include "cli/fit_options.h"
 #include "cli/liquid_scene.h"
 #include "cli/render.h"
+#include "materials/presets.h"
 #include "renderer/output/sequence.h"
 #include "scene/parameter_types.h"
 
@@ -89,9 +90,11 @@ void add_liquid(CLI::App& app) {
   add_fit_options(command, *options);
   command.add_option("--from-up", options->from_up, "the direction that is up in the first mesh")->check(is_axis)->capture_default_str();
   command.add_option("--to-up", options->to_up, "the direction that is up in the second mesh")->check(is_axis)->capture_default_str();
-  const std::vector<std::string_view> surfaces = kind_names<SurfaceKinds>();
-  command.add_option("--surface", options->surface, "what it is made of")
-      ->check(CLI::IsMember(std::vector<std::string>(surfaces.begin(), surfaces.end())))
+  std::vector<std::string> materials;
+  for (const std::string_view kind : kind_names<MaterialKinds>()) materials.emplace_back(kind);
+  for (const Preset& preset : k_presets) materials.emplace_back(preset.name);
+  command.add_option("--surface", options->surface, "what it is made of: a surface, a preset or a pattern (`kelpie swatches`)")
+      ->check(CLI::IsMember(materials))
       ->capture_default_str();
   command
       .add_option("--save-scene", options->save_scene,

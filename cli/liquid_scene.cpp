@@ -10,6 +10,7 @@
 #include "field/clouds/cloud_file.h"
 #include "morph/liquid/interpolate.h"
 #include "morph/liquid/volume.h"
+#include "scene/parameter_types.h"
 
 namespace kelpie {
 
@@ -65,6 +66,11 @@ View frame_morph(const BlobCloud& from, const BlobCloud& to, double aspect) {
   return view;
 }
 
+bool is_pattern(std::string_view name) {
+  const std::vector<std::string_view> patterns = kind_names<PatternKinds>();
+  return std::find(patterns.begin(), patterns.end(), name) != patterns.end();
+}
+
 std::string progress_keys(int first, int last) {
   const int hold = static_cast<int>(std::lround(k_hold * (last - first)));
   return fmt::format(R"({{ "keys": [[{}, 0, 0], [{}, 1, 0]], "interpolation": "hermite" }})", first + hold,
@@ -102,7 +108,12 @@ std::vector<FileToWrite> liquid_scene_files(const std::string& path, const BlobC
   const fs::path folder = fs::path(path).parent_path();
   const std::string stem = fs::path(path).stem().string();
   const View view = frame_morph(from, to, o.aspect);
-  const std::string look = o.surface == "metal" ? R"("kind": "metal", "roughness": 0.15)" : fmt::format(R"("kind": "{}")", o.surface);
+  // A pattern is the liquid's own, so that it flows with it.
+  const bool flows = is_pattern(o.surface);
+  const std::string material = flows ? fmt::format(",\n        \"material\": \"{}\"", o.surface) : "";
+  const std::string look = flows                  ? ""
+                           : o.surface == "metal" ? ",\n      \"surface\": { \"kind\": \"metal\", \"roughness\": 0.15 }"
+                                                  : fmt::format(",\n      \"surface\": \"{}\"", o.surface);
   const std::string text = fmt::format(
       R"(// Made by kelpie liquid. `kelpie kinds liquid` explains the words.
 {{
@@ -122,9 +133,8 @@ std::vector<FileToWrite> liquid_scene_files(const std::string& path, const BlobC
         "from": "{stem}_from.ply",
         "to": "{stem}_to.ply",
         "volume": "linear",
-        "progress": {progress}
-      }},
-      "surface": {{ {look} }}
+        "progress": {progress}{material}
+      }}{look}
     }},
     {{
       "name": "floor",
@@ -136,7 +146,8 @@ std::vector<FileToWrite> liquid_scene_files(const std::string& path, const BlobC
 )",
       fmt::arg("first", o.first), fmt::arg("last", o.last), fmt::arg("px", view.position.x), fmt::arg("py", view.position.y),
       fmt::arg("pz", view.position.z), fmt::arg("lx", view.look_at.x), fmt::arg("ly", view.look_at.y), fmt::arg("lz", view.look_at.z),
-      fmt::arg("fov", k_fov), fmt::arg("stem", stem), fmt::arg("progress", progress_keys(o.first, o.last)), fmt::arg("look", look));
+      fmt::arg("fov", k_fov), fmt::arg("stem", stem), fmt::arg("progress", progress_keys(o.first, o.last)), fmt::arg("look", look),
+      fmt::arg("material", material));
   return {{folder / (stem + "_from.ply"), blob_cloud_bytes(from)}, {folder / (stem + "_to.ply"), blob_cloud_bytes(to)}, {path, text}};
 }
 

@@ -11,7 +11,7 @@ namespace kelpie {
 
 struct LiquidSceneOptions {
   int first = 1, last = 96;
-  std::string surface = "metal"; ///< a kind of surface
+  std::string surface = "metal"; ///< a kind of material or a preset
   double aspect = 16.0 / 9;      ///< width over height of the picture
 };
 
