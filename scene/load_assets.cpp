@@ -14,78 +14,79 @@ using CloudPtr = std::shared_ptr<const BlobCloud>;
 
 class AssetLoader {
 public:
-  AssetLoader(const Document& document, bool use_cache, ProblemList& problems, Diagnostics& diagnostics)
-      : document_(document), use_cache_(use_cache), problems_(problems), diagnostics_(diagnostics) {}
+  AssetLoader(const RecordReader& reader, bool use_cache, ProblemList& problems, Diagnostics& diagnostics)
+      : reader_(reader), use_cache_(use_cache), problems_(problems), diagnostics_(diagnostics) {}
 
-  /// A kind that has assets and no overload below does not compile, nor does one that names files and has none.
+  /// Of a kind that stands at `where`. One that has assets and no overload below does not compile, nor does one that names files and
+  /// has none.
   template <class Kind>
-  void load_assets_of(Kind& kind, const JsonValue& source) {
+  void load_assets_of(Kind& kind, const SourcePosition& where) {
     static_assert(HasAssets<Kind> == k_names_files<Kind>, "what files hold is declared by assets()");
-    if constexpr (HasAssets<Kind>) load(kind, source);
+    if constexpr (HasAssets<Kind>) load(kind, where);
   }
 
 private:
-  void load(Blobs<AnimatedMode>& k, const JsonValue& source) { k.cloud = cloud(k.file, source, "file"); }
+  void load(Blobs<AnimatedMode>& k, const SourcePosition&) { k.cloud = cloud(k.file); }
 
-  void load(Liquid<AnimatedMode>& k, const JsonValue& source) {
-    const CloudPtr from = cloud(k.from, source, "from"), to = cloud(k.to, source, "to");
+  void load(Liquid<AnimatedMode>& k, const SourcePosition& where) {
+    const CloudPtr from = cloud(k.from), to = cloud(k.to);
     if (!from || !to) return;
-    attempt(source, [&] { k.morph = std::make_shared<const LiquidMorph>(*from, *to, k.correspondence, k.volume); });
+    attempt(where, [&] { k.morph = std::make_shared<const LiquidMorph>(*from, *to, k.correspondence, k.volume); });
   }
 
-  void load(TriangleMesh<AnimatedMode>& k, const JsonValue& source) {
+  void load(TriangleMesh<AnimatedMode>& k, const SourcePosition&) {
     if (k.file.resolved.empty()) return;
     const auto [entry, is_new] = meshes_.try_emplace({k.file.resolved, {k.crease, k.weld}});
     std::shared_ptr<const SurfaceMesh>& loaded = entry->second;
     if (is_new)
-      attempt(*source.find("file"), [&] {
+      attempt(reader_.where_named(k.file), [&] {
         loaded = std::make_shared<const SurfaceMesh>(load_surface_mesh(k.file.resolved, {k.crease, k.weld}, diagnostics_));
       });
     k.mesh = loaded;
   }
 
-  void load(Subdivision<AnimatedMode>& k, const JsonValue& source) {
+  void load(Subdivision<AnimatedMode>& k, const SourcePosition&) {
     if (k.file.resolved.empty()) return;
     const auto [entry, is_new] = subdivisions_.try_emplace({k.file.resolved, k.levels});
     std::shared_ptr<const SubdivisionMesh>& loaded = entry->second;
     if (is_new)
-      attempt(*source.find("file"),
+      attempt(reader_.where_named(k.file),
               [&] { loaded = std::make_shared<const SubdivisionMesh>(load_subdivision_mesh(k.file.resolved, k.levels, diagnostics_)); });
     k.mesh = loaded;
   }
 
-  void load(SdfMesh<AnimatedMode>& k, const JsonValue& source) {
+  void load(SdfMesh<AnimatedMode>& k, const SourcePosition&) {
     if (k.file.resolved.empty()) return;
     double reach = k.radius.at(0); // at any time; a constant has no keys
     for (const Key<float>& key : k.radius.keys()) reach = std::max(reach, double(key.value));
     const auto [entry, is_new] = grids_.try_emplace({k.file.resolved, {k.voxel, reach, k.weld}});
     std::shared_ptr<const DistanceGrid>& loaded = entry->second;
     if (is_new)
-      attempt(*source.find("file"), [&] {
+      attempt(reader_.where_named(k.file), [&] {
         loaded = load_distance_grid(k.file.resolved, {k.voxel, reach, k.weld}, use_cache_, diagnostics_);
       });
     k.grid = loaded;
   }
 
   template <class Action>
-  void attempt(const JsonValue& at, Action action) {
+  void attempt(const SourcePosition& where, Action action) {
     try {
       action();
     } catch (const Error& e) {
-      problems_.add(e, document_.where(at.at));
+      problems_.add(e, where);
     }
   }
 
   /// Null where the file could not be read, now or when it was resolved.
-  CloudPtr cloud(const AssetPath& file, const JsonValue& source, std::string_view key) {
+  CloudPtr cloud(const AssetPath& file) {
     if (file.resolved.empty()) return nullptr;
     const auto [entry, is_new] = clouds_.try_emplace(file.resolved);
     CloudPtr& loaded = entry->second;
-    if (is_new) attempt(*source.find(key), [&] { loaded = std::make_shared<const BlobCloud>(read_blob_cloud(file.resolved)); });
+    if (is_new) attempt(reader_.where_named(file), [&] { loaded = std::make_shared<const BlobCloud>(read_blob_cloud(file.resolved)); });
     return loaded;
   }
 
-  const Document& document_;
+  const RecordReader& reader_;
   bool use_cache_;
   ProblemList& problems_;
   Diagnostics& diagnostics_;
@@ -97,16 +98,11 @@ private:
 
 } // namespace
 
-void load_assets(const std::vector<ReadNode>& nodes, Scene& scene, const Document& document, bool use_cache, ProblemList& problems,
-                 Diagnostics& diagnostics) {
-  AssetLoader loader(document, use_cache, problems, diagnostics);
-  for (const ReadNode& n : nodes) std::visit([&](auto& kind) { loader.load_assets_of(kind, *n.source); }, n.node->kind);
-  const JsonValue* shapes = document.root.find("shapes");
-  for (size_t i = 0; i < scene.shapes.size(); ++i) // as many as the document has, in its order
-    if (scene.shapes[i].geometry) {
-      const JsonValue& source = *(*shapes->array())[i].find("geometry");
-      std::visit([&](auto& kind) { loader.load_assets_of(kind, source); }, *scene.shapes[i].geometry);
-    }
+void load_assets(const RecordReader& reader, Scene& scene, bool use_cache, ProblemList& problems, Diagnostics& diagnostics) {
+  AssetLoader loader(reader, use_cache, problems, diagnostics);
+  for (const ReadNode& n : reader.nodes()) std::visit([&](auto& kind) { loader.load_assets_of(kind, n.node->where); }, n.node->kind);
+  for (Shape& shape : scene.shapes)
+    if (shape.geometry) std::visit([&](auto& kind) { loader.load_assets_of(kind, shape.where); }, *shape.geometry);
 }
 
 } // namespace kelpie

@@ -45,7 +45,7 @@ Scene read_scene(const std::string& path, const ReadOptions& options, Diagnostic
   link_parts(reader.nodes(), scene, document, problems);
   if (problems.is_empty()) check_scene(scene, document, problems);
   check_axes(reader.nodes(), document, problems);
-  load_assets(reader.nodes(), scene, document, options.use_cache, problems, diagnostics);
+  load_assets(reader, scene, options.use_cache, problems, diagnostics);
   if (problems.is_empty()) check_size(scene, problems);
   problems.throw_if_any();
   warn_of_folds(reader.nodes(), document, diagnostics);

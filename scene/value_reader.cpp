@@ -69,6 +69,7 @@ bool ValueReader::read(AssetPath& out, const JsonValue& v, const ParameterRules&
     return false;
   }
   asset_files_[(source.folder / out.path).string()] = out.resolved;
+  named_at_.try_emplace(out.resolved, where(v));
   return true;
 }
 

@@ -64,6 +64,8 @@ public:
 
   /// Files that were named so far.
   const AssetFiles& asset_files() const { return asset_files_; }
+  /// Where a file that was resolved is named first.
+  const SourcePosition& where_named(const AssetPath& file) const { return named_at_.at(file.resolved); }
 
 protected:
   const Document& document() const { return document_; }
@@ -92,6 +94,7 @@ private:
   const AssetFolder& folder_;
   ProblemList& problems_;
   AssetFiles asset_files_;
+  std::map<std::string, SourcePosition> named_at_; ///< by resolved path
 };
 
 extern template bool ValueReader::read_curve(Animated<float>&, const JsonValue&, const ParameterRules&);

@@ -8,6 +8,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/temporary_folder.h"
+#include "field/clouds/cloud_file.h"
 #include "renderer/output/exr.h"
 #include "tests/support/program.h"
 
@@ -15,6 +16,16 @@ namespace kelpie {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Blobs of which each meets about ten others.
+BlobCloud heap_of_blobs(uint32_t count) {
+  BlobCloud blobs;
+  const float side = std::cbrt(static_cast<float>(count));
+  uint32_t state = 1;
+  const auto random = [&] { return static_cast<float>((state = state * 1664525 + 1013904223) >> 8) / float(1 << 24); };
+  for (uint32_t i = 0; i < count; ++i) blobs.push_back({side * Vec3(random(), random(), random()), 1.2f, 1});
+  return blobs;
+}
 
 class Resume : public ProgramTest {
 protected:
@@ -86,6 +97,34 @@ TEST_F(Resume, SignalsAreHeardAtOnce) {
   EXPECT_EQ(shell("sleep 5 | { $KELPIE check /dev/stdin <&3" + kept + "; } 3<&0"), 0) << "a pipe that says nothing";
   EXPECT_TRUE(fs::is_empty(folder_ / "tmp"));
   EXPECT_TRUE(fs::is_empty(folder_ / "out"));
+}
+
+// The same in each phase: what takes long is begun, and killed sooner and later.
+TEST_F(Resume, SignalsAreHeardInEveryPhase) {
+  write_blob_cloud(path("cloud.ply"), heap_of_blobs(60000));
+  write("cells.json",
+        R"({ "kelpie": 1, "camera": { "shutter": 1 }, "film": { "resolution": [16, 16], "spp": 1 }, "shapes": [ { "name": "heap",
+    "field": { "kind": "translate", "by": { "keys": [[0, [0, 0, 0]], [2, [40, 0, 0]]] }, "child": { "kind": "blobs", "file": "cloud.ply" } } } ] })");
+  write("lattice.json", R"({ "kelpie": 1, "shapes": [ { "name": "solid",
+    "field": { "kind": "sdf_mesh", "file": "mesh.off", "radius": 0.01, "voxel": 0.0011 } } ] })");
+  write("map.json", R"({ "kelpie": 1, "lights": [ { "kind": "environment", "file": "map.hdr" } ], "shapes": [ { "name": "ball",
+    "field": { "kind": "point", "centre": [0, 0, 0], "radius": 1, "weight": 2 } } ] })");
+  ASSERT_EQ(shell("(printf '#?RADIANCE\\nFORMAT=32-bit_rle_rgbe\\n\\n-Y 4096 +X 8192\\n'; head -c 134217728 /dev/zero | tr '\\0' '\\200') "
+                  ">map.hdr"),
+            0);
+  ASSERT_EQ(shell("$KELPIE render scene.json -f 1 --progress none -o frame.exr"), 0);
+  const std::string quiet = " --progress none -o out/a.exr";
+  for (const std::string& line :
+       {"render cells.json -f 1 -j 1" + quiet, "render lattice.json" + quiet, std::string("check lattice.json"), "render map.json" + quiet,
+        std::string("fit mesh.off --blobs 20000 --progress none -o out/a.ply"), std::string("view frame.exr --width 20000 -o out/a.png")})
+    for (const char* after : {"0.4", "1.2"}) {
+      EXPECT_EQ(shell("$KELPIE " + line + " 2>/dev/null & sleep " + after +
+                      "; start=$(date +%s%N); kill -TERM $!; wait $! 2>/dev/null; test $? = 143 && "
+                      "test $(( $(date +%s%N) - start )) -lt 2000000000"),
+                0)
+          << line << " after " << after << " s";
+      EXPECT_TRUE(fs::is_empty(folder_ / "out")) << line;
+    }
 }
 
 // --- the same in this process ---

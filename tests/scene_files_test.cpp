@@ -44,6 +44,37 @@ TEST(Parts, AreSharedByTheirInstances) {
   EXPECT_EQ(sample(scene, 1).shapes[0].field.nodes.size(), 7u);
 }
 
+// Each key of a scene once more at its end, with nothing in it: what was read first is gone, and nobody looks for it.
+TEST(Files, AreFoundWhereTheyWereReadWhateverStandsTwice) {
+  const SceneFolder folder;
+  const std::string shapes = R"([{"name":"a","geometry":{"kind":"mesh","file":"mesh.obj"}},{"name":"b","field":{"kind":"blobs",)"
+                             R"("file":"cloud.ply"}}])",
+                    other = R"([{"name":"c","geometry":{"kind":"mesh","file":"mesh.obj"}}])";
+  const std::string begin = "{\"kelpie\":1,\n";
+  for (const auto& [first, second] :
+       {std::pair{shapes, other}, {other, shapes}, {std::string("[]"), shapes}, {shapes, std::string("[]")}}) {
+    const std::string errors = folder.errors(begin + "\"shapes\":" + first + ",\n\"shapes\":" + second + "}");
+    EXPECT_NE(errors.find("scene.json:3:1: duplicate key \"shapes\" (also in line 2)"), std::string::npos) << errors;
+  }
+  for (const std::string list : {"geometry", "file"}) {
+    const std::string value = list == "file" ? "\"none.obj\"" : R"({"kind":"plane"})",
+                      kept = list == "file" ? "\"mesh.obj\"" : R"({"kind":"mesh","file":"mesh.obj"})";
+    const std::string twice = "\"" + list + "\":" + value + ",\"" + list + "\":" + kept;
+    const std::string shape = list == "file" ? R"({"name":"a","geometry":{"kind":"mesh",)" + twice + "}}" : R"({"name":"a",)" + twice + "}";
+    EXPECT_NE(folder.errors(begin + "\"shapes\":[" + shape + "]}").find("duplicate key \"" + list + "\""), std::string::npos);
+  }
+}
+
+TEST(Files, AreBlamedWhereTheyAreNamedFirst) {
+  const SceneFolder folder;
+  folder.write("bad.obj", "v 0 0\n");
+  const std::string mesh = R"({"kind":"mesh","file":"bad.obj"})";
+  const std::string errors = folder.errors("{\"kelpie\":1,\"shapes\":[\n{\"name\":\"a\",\"geometry\":" + mesh +
+                                           "},\n{\"name\":\"b\",\"geometry\":" + mesh + "}]}");
+  EXPECT_EQ(errors.find('\n'), std::string::npos) << errors;
+  EXPECT_EQ(errors.find("bad.obj:1:"), 0u) << errors;
+}
+
 TEST(Parts, RefuseWhatLeadsNowhere) {
   const SceneFolder folder;
   const auto expect = [&](const std::string& parts, const std::string& field, const std::string& errors) {

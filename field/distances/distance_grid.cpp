@@ -135,6 +135,13 @@ std::optional<DistanceGrid> DistanceGrid::from_bytes(std::string_view bytes) {
   DistanceGrid grid;
   grid.box_ = {{header.box[0], header.box[1], header.box[2]}, {header.box[3], header.box[4], header.box[5]}};
   grid.voxel_ = header.voxel, grid.band_ = header.band, grid.count_ = {header.count[0], header.count[1], header.count[2]};
+  constexpr int k_most = 1 << 16; // so that their product is a number
+  if (!(grid.voxel_ > 0) || !(grid.band_ > 0)) return {};
+  for (int i = 0; i < 3; ++i) {
+    const int count = grid.count_[size_t(i)];
+    const double bricks = grid.box_.extent()[i] / (k_cells * grid.voxel_);
+    if (count < 1 || count > k_most || !(std::abs(bricks - count) < 1e-3)) return {};
+  }
   const size_t total = size_t(grid.count_[0]) * size_t(grid.count_[1]) * size_t(grid.count_[2]);
   if (bytes.size() < total) return {};
   grid.bricks_.resize(total);

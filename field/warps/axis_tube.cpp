@@ -9,6 +9,8 @@ constexpr double k_part_of_widest = 0.9;
 /// The border joins places that differ by less than this part of its width: its slope is at most 1.5 / width, so that what it
 /// joins is never turned over.
 constexpr double k_limit = 1.0 / 3;
+/// So many radii from an axis a point is outside its tube, whatever was rounded.
+constexpr double k_past_tube = 1 + 1e-9;
 
 } // namespace
 
@@ -191,18 +193,22 @@ AxisTube::Moved AxisTube::moved(const Box3d& box) const {
     const double m = 0.5 * (part.from + part.to), h = 0.5 * (part.to - part.from);
     const CubicStep<Vec3d>& r = rest_.step(part.step);
     const AxisTurn& t = turns_[part.step];
-    Interval squared(0.0);
+    std::array<Interval, 3> offset;
+    Interval distance2(0.0), squared(0.0);
+    for (int j = 0; j < 3; ++j) {
+      offset[j] = Interval{box.lower[j], box.upper[j]} - CubicRange([&](size_t k) { return r.a[k][j]; }, m, h).value;
+      distance2 = distance2 + square(offset[j]);
+    }
+    const double r0 = rest_.reach(part.step, part.from), r1 = rest_.reach(part.step, part.to);
+    const double narrow = std::min(r0, r1), wide = std::max(r0, r1);
+    if (distance2.lo > square(k_past_tube * wide)) continue; // the box is outside the tube of this part
     for (int i = 0; i < 3; ++i) {
       Interval by = -CubicRange([&](size_t k) { return t.shift.a[k][i]; }, m, h).value;
-      for (int j = 0; j < 3; ++j) {
-        const CubicRange axis([&](size_t k) { return r.a[k][j]; }, m, h), e([&](size_t k) { return t.turn.a[k][i][j]; }, m, h);
-        by = by + e.value * (Interval{box.lower[j], box.upper[j]} - axis.value);
-      }
+      for (int j = 0; j < 3; ++j) by = by + CubicRange([&](size_t k) { return t.turn.a[k][i][j]; }, m, h).value * offset[j];
       squared = squared + square(by);
     }
-    const double r0 = limit_part_ * rest_.reach(part.step, part.from), r1 = limit_part_ * rest_.reach(part.step, part.to);
-    out.some = out.some || squared.hi > square(std::min(r0, r1));
-    out.all = out.all && squared.lo > square(std::max(r0, r1));
+    out.some = out.some || squared.hi > square(limit_part_ * narrow);
+    out.all = out.all && squared.lo > square(limit_part_ * wide);
   }
   out.all = out.all && out.some;
   return out;

@@ -1,0 +1,16 @@
+// Why a frame shows nothing, or is black.
+#pragma once
+
+#include <string>
+
+#include "renderer/film/frame_image.h"
+#include "renderer/integrate/lights.h"
+#include "renderer/trace/tracer.h"
+
+namespace kelpie {
+
+/// What to say of a frame in which no pixel is covered ("shows nothing: all shapes lie behind the camera") or in which all that is
+/// covered is black ("is black: no light reaches what is in view"); nothing of any other. `image` is what was rendered of `frame`.
+std::string why_empty(const FrameScene& frame, const Tracer&, const std::vector<Light>&, const FrameImage& image);
+
+} // namespace kelpie
