@@ -75,16 +75,22 @@ std::string why_nothing(const FrameScene& frame, const Tracer& tracer) {
   return fmt::format("all shapes{} {}", has_planes(frame) ? " but planes" : "", PictureOf(frame).why_unseen(corners));
 }
 
-/// Whether light comes from it; looks in a few directions.
-bool is_lit(const Light& light) {
+/// Whether light comes from it; looks in a few directions, from a point and from far around it, as some shine to one side only.
+bool is_lit(const Light& light, const Vec3& point) {
   constexpr int k_side = 16;
-  for (int i = 0; i < k_side * k_side; ++i)
-    if (light.sample((Vec2(i % k_side, i / k_side) + 0.5f) / float(k_side)).radiance != Vec3(0)) return true;
+  constexpr float k_far = 1000;
+  for (int around = 0; around < 7; ++around) {
+    Vec3 from = point;
+    if (around > 0) from[(around - 1) / 2] += around % 2 ? k_far : -k_far;
+    for (int i = 0; i < k_side * k_side; ++i)
+      if (light.sample(from, (Vec2(i % k_side, i / k_side) + 0.5f) / float(k_side)).radiance != Vec3(0)) return true;
+  }
   return false;
 }
 
 std::string why_black(const FrameScene& frame, const std::vector<Light>& lights, const FrameImage& image) {
-  if (std::none_of(lights.begin(), lights.end(), is_lit)) return "all lights are off (their \"strength\" is 0, or they are black)";
+  if (std::none_of(lights.begin(), lights.end(), [&](const Light& l) { return is_lit(l, frame.camera.look_at); }))
+    return "all lights are off (their \"strength\" is 0, or they are black)";
   bool is_white = false; // somewhere
   for (const char* name : {"albedo.R", "albedo.G", "albedo.B"})
     if (const FrameChannel* c = image.find(name))
