@@ -6,10 +6,7 @@ find_package(TBB REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(embree 3.13 REQUIRED)
-find_package(OpenImageIO REQUIRED)
-# Debian's target names OpenCV's folder, which only OpenCV's own development package would bring.
-set_target_properties(OpenImageIO::OpenImageIO PROPERTIES
-  INTERFACE_INCLUDE_DIRECTORIES "" INTERFACE_SYSTEM_INCLUDE_DIRECTORIES "")
+find_package(PNG REQUIRED)
 find_package(OpenEXR REQUIRED)
 find_package(Ceres REQUIRED)
 find_package(Eigen3 REQUIRED)

@@ -194,6 +194,27 @@ TEST_F(EnvironmentFiles, RadianceIsLinearRec709) {
   EXPECT_TRUE(diagnostics_.warnings().empty());
 }
 
+// What most programs write: each row's components one by one, in runs.
+TEST_F(EnvironmentFiles, RunsOfRadianceAreRead) {
+  const std::string header = "#?RADIANCE\n# a comment\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 8\n";
+  std::vector<unsigned char> bytes(header.begin(), header.end());
+  for (int row = 0; row < 2; ++row) {
+    bytes.insert(bytes.end(), {2, 2, 0, 8});
+    bytes.insert(bytes.end(), {128 + 8, 128});                      // red: eight equal ones
+    bytes.insert(bytes.end(), {8, 0, 16, 32, 48, 64, 80, 96, 112}); // green: eight as they are
+    bytes.insert(bytes.end(), {128 + 5, 64, 3, 1, 2, 3});           // blue: five equal ones, three as they are
+    bytes.insert(bytes.end(), {128 + 8, 129});
+  }
+  write_file_atomically(path("runs.hdr"), bytes);
+  const EnvironmentMap map = EnvironmentMap::load(path("runs.hdr"), diagnostics_);
+  for (const int i : {4, 12})
+    EXPECT_LT(glm::length(map.texels()[size_t(i)] - to_scene_linear(Vec3(1, 0.5f, 0.5f), "Linear Rec.709")), 1e-4f);
+  EXPECT_LT(glm::length(map.texels()[7] - to_scene_linear(Vec3(1, 0.875f, 3.f / 128), "Linear Rec.709")), 1e-4f);
+  bytes[header.size() + 4] = 128 + 9; // a run that leaves its row
+  write_file_atomically(path("runs.hdr"), bytes);
+  EXPECT_EQ(status_of(path("runs.hdr")), ExitStatus::bad_data);
+}
+
 TEST_F(EnvironmentFiles, OurOwnExrIsTakenAsItIs) {
   FrameImage image({4, 2});
   for (const char* name : {"B", "G", "R"}) image.add(name).pixels.assign(8, name[0] == 'R' ? 2.f : 0.5f);

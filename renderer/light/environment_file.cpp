@@ -1,14 +1,14 @@
 // Environment maps from files.
 #include <cmath>
 #include <cstring>
+#include <stdexcept>
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include "base/file_bytes.h"
 #include "colour/spaces.h"
 #include "renderer/light/environment_map.h"
+#include "renderer/light/radiance_file.h"
 #include "renderer/output/exr.h"
 
 namespace kelpie {
@@ -35,20 +35,16 @@ void check_size(const std::string& path, int width, int height) {
 }
 
 RawMap read_radiance(const std::string& path, const std::string& bytes) {
-  // The decoder is chosen here: OIIO by itself would try all of its formats on a file.
-  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create("hdr");
-  OIIO::Filesystem::IOMemReader reader(bytes.data(), bytes.size());
-  OIIO::ImageSpec spec, config;
-  if (!input->set_ioproxy(&reader) || !input->open("memory.hdr", spec, config))
-    fail(path, "not a Radiance HDR picture: " + input->geterror());
-  check_size(path, spec.width, spec.height);
-  // A run of 127 equal values takes two bytes: fewer bytes than that make no such picture.
-  if (spec.nchannels != 3 || size_t(spec.width) * size_t(spec.height) * 4 / 64 > bytes.size()) fail(path, "truncated");
-  RawMap map{spec.width, spec.height, {}, {}};
-  map.rgb.resize(size_t(spec.width) * size_t(spec.height) * 3);
-  if (!input->read_image(0, 0, 0, 3, OIIO::TypeDesc::FLOAT, map.rgb.data()))
-    fail(path, "not a whole Radiance HDR picture: " + input->geterror());
-  return map;
+  try {
+    RadianceReader reader(bytes);
+    check_size(path, reader.width(), reader.height());
+    // A run of 127 equal values takes two bytes: fewer bytes than that make no such picture.
+    if (size_t(reader.width()) * size_t(reader.height()) * 4 / 64 > bytes.size()) fail(path, "truncated");
+    RadiancePicture picture = reader.read();
+    return {picture.width, picture.height, std::move(picture.rgb), {}};
+  } catch (const std::runtime_error& e) {
+    fail(path, std::string("not a whole Radiance HDR picture: ") + e.what());
+  }
 }
 
 RawMap read_openexr(const std::string& path, const std::string& bytes) {

@@ -4,18 +4,22 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <memory>
-#include <new>
+#include <string_view>
 
 #include <Imath/half.h>
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfInputPart.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfPartType.h>
 #include <fmt/format.h>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/file_bytes.h"
-#include "colour/spaces.h"
+#include "renderer/output/exr_header.h"
+#include "renderer/output/exr_memory.h"
 #include "renderer/output/file_hash.h"
 #include "renderer/output/pixel_hash.h"
 
@@ -23,12 +27,10 @@ namespace kelpie {
 
 namespace {
 
-constexpr int k_max_side = 65536, k_max_channels = 1024;
+constexpr int k_max_channels = 1024;
 constexpr float k_largest_half = 65504;
-constexpr const char* k_scene_hash = "kelpie:sceneHash";
-constexpr const char* k_pixel_hash = "kelpie:pixelHash";
 
-OIIO::TypeDesc type_of(ChannelDepth depth) { return depth == ChannelDepth::half ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT; }
+Imf::PixelType type_of(ChannelDepth depth) { return depth == ChannelDepth::half ? Imf::HALF : Imf::FLOAT; }
 size_t size_of(ChannelDepth depth) { return depth == ChannelDepth::half ? 2 : 4; }
 
 /// Pixels as they are in the file: interleaved, each channel at its own depth.
@@ -114,98 +116,49 @@ std::string hash_of(const PackedPixels& packed, const FrameImage& image) {
   return hash.hex();
 }
 
-OIIO::ImageSpec spec_of(const FrameImage& image) {
-  const PixelBox& w = image.data_window;
-  OIIO::ImageSpec spec(w.width(), w.height(), static_cast<int>(image.channels.size()), OIIO::TypeDesc::HALF);
-  spec.x = w.x0, spec.y = w.y0;
-  spec.full_width = image.resolution.x, spec.full_height = image.resolution.y;
-  spec.channelnames.clear();
-  for (const FrameChannel& c : image.channels) {
-    spec.channelnames.push_back(c.name);
-    spec.channelformats.push_back(type_of(c.depth));
+/// Where OpenEXR finds and puts the packed pixels of a data window whose first pixel is `first` in the file's coordinates.
+Imf::FrameBuffer frame_buffer(PackedPixels& packed, const FrameImage& image, Imath::V2i first) {
+  Imf::FrameBuffer buffer;
+  const int width = image.data_window.width(), height = image.data_window.height();
+  for (size_t c = 0; c < image.channels.size(); ++c)
+    buffer.insert(image.channels[c].name, Imf::Slice::Make(type_of(image.channels[c].depth), packed.bytes.data() + packed.offsets[c], first,
+                                                           width, height, packed.stride, packed.stride * size_t(width)));
+  return buffer;
+}
+
+/// An EXR file in memory, open for reading its first part.
+struct OpenFrame {
+  MemoryInput stream;
+  Imf::MultiPartInputFile file;
+
+  OpenFrame(std::span<const unsigned char> bytes, const std::string& name) : stream(bytes, name), file(stream, use_exr_threads()) {
+    const Imf::Header& header = file.header(0);
+    const Imath::Box2i& w = header.dataWindow();
+    if (header.hasType() && Imf::isDeepData(header.type())) throw Iex::InputExc("deep pictures are not supported");
+    int channels = 0;
+    for (auto c = header.channels().begin(); c != header.channels().end(); ++c, ++channels)
+      if (c.channel().xSampling != 1 || c.channel().ySampling != 1) throw Iex::InputExc("subsampled channels are not supported");
+    if (channels > k_max_channels) throw Iex::InputExc(fmt::format("{} channels are too many", channels));
+    if (w.isEmpty()) throw Iex::InputExc("it has no pixels");
   }
-  return spec;
-}
+};
 
-void set_header(OIIO::ImageSpec& spec, const FrameHeader& header, const std::string& pixel_hash) {
-  spec.attribute("compression", "zip");
-  spec.attribute("DateTime", "1970:01:01 00:00:00"); // else OIIO stamps the time of day, and no two files are equal
-  spec.attribute("Software", "kelpie " KELPIE_VERSION);
-  const int thousandths = static_cast<int>(std::lround(header.fps * 1000));
-  const bool is_whole = thousandths % 1000 == 0;
-  const int rate[2] = {is_whole ? thousandths / 1000 : thousandths, is_whole ? 1 : 1000};
-  spec.attribute("framesPerSecond", OIIO::TypeRational, rate);
-  spec.attribute("kelpie:frame", header.frame);
-  spec.attribute(k_scene_hash, header.scene_hash);
-  spec.attribute(k_pixel_hash, pixel_hash);
-  spec.attribute(k_file_hash_attribute, unsealed_file_hash());
-  if (header.camera_from_world) spec.attribute("worldToCamera", OIIO::TypeMatrix, &(*header.camera_from_world)[0][0]);
-  if (header.ndc_from_world) spec.attribute("worldToNDC", OIIO::TypeMatrix, &(*header.ndc_from_world)[0][0]);
-  if (const auto c = scene_linear_chromaticities()) spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), c->data());
-}
-
-/// Encoding to memory fails for lack of it, and then there may be none for a reason.
-[[noreturn]] void encoder_failed(const std::string& why) {
-  if (why.empty()) throw std::bad_alloc();
-  throw Error(ExitStatus::internal, "the EXR encoder failed: " + why);
-}
-
-/// EXR also knows uint; a file that has one is read as float throughout.
-bool is_half_and_float(const OIIO::ImageSpec& spec) {
-  for (int c = 0; c < spec.nchannels; ++c)
-    if (spec.channelformat(c) != OIIO::TypeDesc::HALF && spec.channelformat(c) != OIIO::TypeDesc::FLOAT) return false;
-  return true;
-}
-
-/// From OIIO's spec to a frame without pixels.
-FrameImage describe(const OIIO::ImageSpec& spec) {
-  const int x0 = spec.x - spec.full_x, y0 = spec.y - spec.full_y;
-  FrameImage image({spec.full_width, spec.full_height}, PixelBox{x0, y0, x0 + spec.width, y0 + spec.height});
-  const bool may_be_half = is_half_and_float(spec);
-  for (int c = 0; c < spec.nchannels; ++c) {
-    const bool is_half = may_be_half && spec.channelformat(c) == OIIO::TypeDesc::HALF;
-    image.channels.push_back({spec.channelnames[c], is_half ? ChannelDepth::half : ChannelDepth::full, {}});
-  }
-  return image;
-}
-
-FrameHeader header_of(const OIIO::ImageSpec& spec) {
-  FrameHeader header;
-  header.frame = spec.get_int_attribute("kelpie:frame", 1);
-  header.scene_hash = spec.get_string_attribute(k_scene_hash);
-  for (const char* name : {"FramesPerSecond", "framesPerSecond"})
-    if (const auto* p = spec.find_attribute(name, OIIO::TypeRational)) {
-      const int* rate = static_cast<const int*>(p->data());
-      if (rate[0] > 0 && rate[1] > 0) header.fps = double(rate[0]) / rate[1];
-    }
-  const auto matrix = [&](const char* name, std::optional<glm::mat4>& m) {
-    if (const auto* p = spec.find_attribute(name, OIIO::TypeMatrix)) std::memcpy(&m.emplace()[0][0], p->data(), sizeof(glm::mat4));
+/// A frame without pixels. EXR also knows uint; a file that has one is read as float throughout.
+FrameImage describe(const Imf::Header& header) {
+  const Imath::Box2i &data = header.dataWindow(), &display = header.displayWindow();
+  const Imath::V2i first = data.min - display.min, end = data.max - display.min + Imath::V2i(1);
+  FrameImage image({display.max.x - display.min.x + 1, display.max.y - display.min.y + 1}, PixelBox{first.x, first.y, end.x, end.y});
+  bool may_be_half = true;
+  for (auto c = header.channels().begin(); c != header.channels().end(); ++c) may_be_half &= c.channel().type != Imf::UINT;
+  for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
+    image.channels.push_back({c.name(), may_be_half && c.channel().type == Imf::HALF ? ChannelDepth::half : ChannelDepth::full, {}});
+  // The file has them in the order of the alphabet.
+  const auto place = [](const FrameChannel& c) {
+    return c.name.size() == 1 ? std::string_view("RGBA").find(c.name) : std::string_view::npos;
   };
-  matrix("worldtocamera", header.camera_from_world);
-  matrix("worldtoNDC", header.ndc_from_world);
-  return header;
-}
-
-/// Opens EXR bytes; `reader` must outlive the result. Null with `why` when they are none, or exceed the limits.
-std::unique_ptr<OIIO::ImageInput> open_exr(OIIO::Filesystem::IOMemReader& reader, std::string& why) {
-  std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create("exr");
-  OIIO::ImageSpec spec, config;
-  if (!input->set_ioproxy(&reader) || !input->open("memory.exr", spec, config)) {
-    why = input->geterror();
-    return nullptr;
-  }
-  if (spec.width > k_max_side || spec.height > k_max_side || spec.nchannels > k_max_channels || spec.deep) {
-    why = spec.deep ? "deep pictures are not supported"
-                    : fmt::format("{}×{} pixels with {} channels are too many", spec.width, spec.height, spec.nchannels);
-    return nullptr;
-  }
-  return input;
-}
-
-bool read_packed(OIIO::ImageInput& input, const FrameImage& image, PackedPixels& packed) {
-  packed = layout(image.channels, image.data_window.area());
-  const OIIO::TypeDesc as = is_half_and_float(input.spec()) ? OIIO::TypeDesc::UNKNOWN : OIIO::TypeDesc::FLOAT; // UNKNOWN: as they are
-  return input.read_image(0, 0, 0, input.spec().nchannels, as, packed.bytes.data());
+  std::stable_sort(image.channels.begin(), image.channels.end(),
+                   [&](const FrameChannel& a, const FrameChannel& b) { return place(a) < place(b); });
+  return image;
 }
 
 /// Without pixels only the hash and the header are of use.
@@ -213,40 +166,51 @@ DecodedFrame decode(std::span<const unsigned char> bytes, const std::string& nam
   const auto fail = [&](const std::string& why) {
     throw Error(ExitStatus::bad_data, fmt::format("{}: not a picture that can be read: {}", name, why));
   };
-  OIIO::Filesystem::IOMemReader reader(bytes.data(), bytes.size());
-  std::string why;
-  constexpr std::array<unsigned char, 4> k_magic{0x76, 0x2f, 0x31, 0x01}; // without it OIIO names a file that nobody knows
+  constexpr std::array<unsigned char, 4> k_magic{0x76, 0x2f, 0x31, 0x01};
   if (bytes.size() < k_magic.size() || !std::equal(k_magic.begin(), k_magic.end(), bytes.begin())) fail("it is not an OpenEXR file");
-  const std::unique_ptr<OIIO::ImageInput> input = open_exr(reader, why);
-  if (!input) fail(why);
   DecodedFrame frame;
-  frame.image = describe(input->spec());
-  frame.header = header_of(input->spec());
-  frame.claimed_hash = input->spec().get_string_attribute(k_pixel_hash);
-  if (const auto* p = input->spec().find_attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8)))
-    std::memcpy(frame.chromaticities.emplace().data(), p->data(), 8 * sizeof(float));
-  // A small file may claim a picture of any size; ZIP makes at most a thousandth of it.
-  PackedPixels packed;
-  if (frame.image.data_window.area() * frame.image.channels.size() / 4096 > bytes.size()) fail("truncated");
-  if (!read_packed(*input, frame.image, packed)) fail(input->geterror());
-  if (with_pixels) unpack(packed, frame.image);
-  frame.pixel_hash = hash_of(packed, frame.image);
+  try {
+    OpenFrame open(bytes, name);
+    const Imf::Header& header = open.file.header(0);
+    frame.image = describe(header);
+    read_header(header, frame);
+    const size_t n = frame.image.data_window.area();
+    // A small file may claim a picture of any size; ZIP makes at most a thousandth of it.
+    if (n * frame.image.channels.size() / 4096 > bytes.size()) fail("truncated");
+    PackedPixels packed = layout(frame.image.channels, n);
+    Imf::InputPart part(open.file, 0);
+    part.setFrameBuffer(frame_buffer(packed, frame.image, header.dataWindow().min));
+    part.readPixels(header.dataWindow().min.y, header.dataWindow().max.y);
+    if (with_pixels) unpack(packed, frame.image);
+    frame.pixel_hash = hash_of(packed, frame.image);
+  } catch (const Iex::BaseExc& e) {
+    fail(e.what());
+  }
   return frame;
 }
 
+[[noreturn]] void encoder_failed(const std::string& why) { throw Error(ExitStatus::internal, "the EXR encoder failed: " + why); }
+
 } // namespace
 
-EncodedFrame encode_exr(const FrameImage& image, const FrameHeader& header) {
+EncodedFrame encode_exr(const FrameImage& image, const FrameHeader& about) {
   EncodedFrame encoded;
-  const PackedPixels packed = pack(image, encoded);
+  PackedPixels packed = pack(image, encoded);
   encoded.pixel_hash = hash_of(packed, image);
-  OIIO::ImageSpec spec = spec_of(image);
-  set_header(spec, header, encoded.pixel_hash);
-  OIIO::Filesystem::IOVecOutput stream(encoded.bytes);
-  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("exr");
-  if (!output || !output->set_ioproxy(&stream) || !output->open("memory.exr", spec))
-    encoder_failed(output ? output->geterror() : OIIO::geterror());
-  if (!output->write_image(OIIO::TypeDesc::UNKNOWN, packed.bytes.data()) || !output->close()) encoder_failed(output->geterror());
+  const PixelBox& w = image.data_window;
+  Imf::Header header(Imath::Box2i({0, 0}, {image.resolution.x - 1, image.resolution.y - 1}),
+                     Imath::Box2i({w.x0, w.y0}, {w.x1 - 1, w.y1 - 1}));
+  header.compression() = Imf::ZIP_COMPRESSION;
+  for (const FrameChannel& c : image.channels) header.channels().insert(c.name, Imf::Channel(type_of(c.depth)));
+  write_header(header, about, encoded.pixel_hash);
+  try {
+    MemoryOutput stream(encoded.bytes);
+    Imf::OutputFile file(stream, header, use_exr_threads());
+    file.setFrameBuffer(frame_buffer(packed, image, {w.x0, w.y0}));
+    file.writePixels(w.height());
+  } catch (const Iex::BaseExc& e) {
+    encoder_failed(e.what());
+  }
   seal(encoded.bytes);
   return encoded;
 }
@@ -266,10 +230,11 @@ bool frame_is_complete(const std::string& path, const std::string& scene_hash) {
   try {
     const std::string bytes = read_file_bytes(path);
     if (!is_sealed(as_bytes(bytes))) return false; // and no decoder sees it
-    OIIO::Filesystem::IOMemReader reader(bytes.data(), bytes.size());
-    std::string why;
-    const std::unique_ptr<OIIO::ImageInput> input = open_exr(reader, why);
-    return input && input->spec().get_string_attribute(k_scene_hash) == scene_hash;
+    DecodedFrame frame;
+    read_header(OpenFrame(as_bytes(bytes), path).file.header(0), frame);
+    return frame.header.scene_hash == scene_hash;
+  } catch (const Iex::BaseExc&) {
+    return false;
   } catch (const Error&) {
     return false;
   }

@@ -3,17 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
-#include <new>
+#include <numbers>
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imagebuf.h>
-#include <OpenImageIO/imagebufalgo.h>
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include "base/error.h"
 #include "colour/spaces.h"
+#include "renderer/output/png.h"
 
 namespace kelpie {
 
@@ -133,14 +129,66 @@ Picture picture_of(const DecodedFrame& frame, const std::string& name) {
   throw Error(ExitStatus::usage, fmt::format("no channel \"{}\"; there are: {}", name.empty() ? "R" : name, fmt::join(names, ", ")));
 }
 
+namespace {
+
+/// The window of Blackman and Harris, of which no lobe is negative; 0 from |x| = 1 on. Source: Harris, "On the use of windows for harmonic
+/// analysis with the discrete Fourier transform", 1978.
+double blackman_harris(double x) {
+  if (!(std::abs(x) < 1)) return 0;
+  const double t = std::numbers::pi * (x + 1);
+  return 0.35875 - 0.48829 * std::cos(t) + 0.14128 * std::cos(2 * t) - 0.01168 * std::cos(3 * t);
+}
+
+/// What each of `count` new places along one axis takes of the old ones, three of the coarser ones wide.
+struct Taps {
+  size_t first = 0;
+  std::vector<float> weights; ///< they sum to 1
+};
+std::vector<Taps> taps_between(int old_count, int count) {
+  const double step = double(old_count) / count, radius = 1.5 * std::max(1.0, step);
+  std::vector<Taps> all(static_cast<size_t>(count));
+  for (size_t i = 0; i < all.size(); ++i) {
+    const double centre = (double(i) + 0.5) * step;
+    const int first = std::max(0, int(std::floor(centre - radius))), last = std::min(old_count - 1, int(std::floor(centre + radius)));
+    double sum = 0;
+    for (int k = first; k <= last; ++k) sum += blackman_harris((k + 0.5 - centre) / radius);
+    all[i].first = static_cast<size_t>(first);
+    for (int k = first; k <= last; ++k) all[i].weights.push_back(float(blackman_harris((k + 0.5 - centre) / radius) / sum));
+  }
+  return all;
+}
+
+/// Rows of `width` pixels, three floats each, to rows of as many pixels as there are taps.
+std::vector<float> resized_along_rows(const std::vector<float>& rgb, size_t width, const std::vector<Taps>& taps) {
+  std::vector<float> resized;
+  resized.reserve(rgb.size() / width * taps.size());
+  for (size_t row = 0; row < rgb.size(); row += 3 * width)
+    for (const Taps& t : taps)
+      for (size_t c = 0; c < 3; ++c) {
+        float sum = 0;
+        for (size_t k = 0; k < t.weights.size(); ++k) sum += t.weights[k] * rgb[row + 3 * (t.first + k) + c];
+        resized.push_back(sum);
+      }
+  return resized;
+}
+
+/// Columns become rows.
+std::vector<float> transposed(const std::vector<float>& rgb, size_t width) {
+  const size_t height = rgb.size() / 3 / width;
+  std::vector<float> out(rgb.size());
+  for (size_t y = 0; y < height; ++y)
+    for (size_t x = 0; x < width; ++x) std::copy_n(&rgb[3 * (y * width + x)], 3, &out[3 * (x * height + y)]);
+  return out;
+}
+
+} // namespace
+
 Picture resize(const Picture& picture, int width) {
   const int height = std::max(1, static_cast<int>(std::lround(double(picture.height) * width / picture.width)));
-  Picture resized{width, height, std::vector<float>(size_t(width) * size_t(height) * 3), picture.is_light};
-  const OIIO::ImageBuf from(OIIO::ImageSpec(picture.width, picture.height, 3, OIIO::TypeDesc::FLOAT),
-                            const_cast<float*>(picture.rgb.data()));
-  OIIO::ImageBuf to(OIIO::ImageSpec(width, height, 3, OIIO::TypeDesc::FLOAT), resized.rgb.data());
-  if (!OIIO::ImageBufAlgo::resize(to, from, "blackman-harris")) throw Error(ExitStatus::internal, "resizing failed: " + to.geterror());
-  return resized;
+  const std::vector<float> narrow = resized_along_rows(picture.rgb, size_t(picture.width), taps_between(picture.width, width));
+  const std::vector<float> low =
+      resized_along_rows(transposed(narrow, size_t(width)), size_t(picture.height), taps_between(picture.height, height));
+  return {width, height, transposed(low, size_t(height)), picture.is_light};
 }
 
 void develop(Picture& picture, const DisplayView& view, float exposure) {
@@ -161,28 +209,11 @@ std::vector<uint8_t> to_8_bit(const Picture& picture) {
 }
 
 std::vector<unsigned char> encode_png(const Picture& picture, int bits, bool is_srgb) {
-  OIIO::ImageSpec spec(picture.width, picture.height, 3, bits == 16 ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8);
-  if (is_srgb) spec.attribute("oiio:ColorSpace", "sRGB");
-  std::vector<unsigned char> bytes;
-  OIIO::Filesystem::IOVecOutput stream(bytes);
-  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
-  const auto check = [&](bool is_good) {
-    if (is_good) return;
-    const std::string why = output ? output->geterror() : OIIO::geterror();
-    if (why.empty()) throw std::bad_alloc(); // encoding to memory fails for lack of it
-    throw Error(ExitStatus::internal, "the PNG encoder failed: " + why);
-  };
-  check(output && output->set_ioproxy(&stream) && output->open("memory.png", spec));
-  if (bits == 16) {
-    std::vector<uint16_t> values(picture.rgb.size());
-    std::transform(picture.rgb.begin(), picture.rgb.end(), values.begin(), [](float v) { return static_cast<uint16_t>(v * 65535 + 0.5f); });
-    check(output->write_image(OIIO::TypeDesc::UINT16, values.data()));
-  } else {
-    const std::vector<uint8_t> values = to_8_bit(picture);
-    check(output->write_image(OIIO::TypeDesc::UINT8, values.data()));
-  }
-  check(output->close());
-  return bytes;
+  const auto file = [&](const void* pixels) { return png_file(picture.width, picture.height, bits, is_srgb, pixels); };
+  if (bits == 8) return file(to_8_bit(picture).data());
+  std::vector<uint16_t> values(picture.rgb.size());
+  std::transform(picture.rgb.begin(), picture.rgb.end(), values.begin(), [](float v) { return static_cast<uint16_t>(v * 65535 + 0.5f); });
+  return file(values.data());
 }
 
 } // namespace kelpie
