@@ -127,7 +127,8 @@ std::string page_text(const Preset& preset) {
   std::string members;
   const OpenPbr<SampledMode> defaults, surface = preset.surface();
   const auto add = [&](const auto& row) {
-    if (!(defaults.*(row.member) == surface.*(row.member))) members += fmt::format(", \"{}\": {}", row.name, json_text(surface.*(row.member)));
+    if (!(defaults.*(row.member) == surface.*(row.member)))
+      members += fmt::format(", \"{}\": {}", row.name, json_text(surface.*(row.member)));
   };
   for_each_parameter<OpenPbr<SampledMode>>(add);
   return fmt::format("{{ \"kind\": \"openpbr\"{} }}\n", members);

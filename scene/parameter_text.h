@@ -43,7 +43,7 @@ std::string json_text(const std::vector<T>& v) {
   std::vector<std::string> parts;
   if constexpr (NamedEnum<T>)
     for (const T& e : v) parts.push_back(json_text(e));
-  return v.empty() ? "" : fmt::format("[{}]", fmt::join(parts, ", "));
+  return parts.empty() ? "" : fmt::format("[{}]", fmt::join(parts, ", "));
 }
 template <class T>
 std::string json_text(const std::optional<T>&) {

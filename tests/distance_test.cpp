@@ -39,8 +39,8 @@ TEST(SignedDistances, AreExact) {
     using ValueAndSlopes = Dual<double, 3>;
     for (int i = 0; i < 20; ++i) {
       const Vec3d p = r.in(Box3d{Vec3d(-3), Vec3d(3)});
-      const ValueAndSlopes d =
-          kind.signed_distance(Point3<ValueAndSlopes>{ValueAndSlopes::variable(p.x, 0), ValueAndSlopes::variable(p.y, 1), ValueAndSlopes::variable(p.z, 2)});
+      const ValueAndSlopes d = kind.signed_distance(
+          Point3<ValueAndSlopes>{ValueAndSlopes::variable(p.x, 0), ValueAndSlopes::variable(p.y, 1), ValueAndSlopes::variable(p.z, 2)});
       const Vec3d slope(d.d[0], d.d[1], d.d[2]);
       EXPECT_LT(glm::length(slope), 1 + 1e-9);
       if (glm::length(slope) < 1 - 1e-9) continue; // as far from one side as from another

@@ -206,7 +206,7 @@ TEST(Materials, MayHaveNames) {
   // One may be another by name, whichever comes first; but not itself.
   const Scene other = folder.read(scene("\"other\":\"gold\"," + gold, "\"other\""));
   EXPECT_EQ(other.shapes[0].surface, other.materials.at("gold"));
-  EXPECT_EQ(folder.errors(scene("\"a\":\"b\",\"b\":\"a\"", "\"a\"")), "scene.json:2:43: material \"a\" is made of itself");
+  EXPECT_EQ(folder.errors(scene("\"a\":\"b\",\"b\":\"a\"", "\"a\"")), "scene.json:2:34: material \"a\" is made of itself");
   EXPECT_EQ(folder.read(scene(gold, "\"gold\""), {{"materials.gold.kind=matte"}, {}}).shapes[0].surface->kind.index(), 0u);
 }
 
@@ -307,10 +307,10 @@ TEST(Include, RefusesWhatIsNoLibrary) {
   EXPECT_EQ(errors("{\"kelpie\":1," + drop + "}"), "");
   EXPECT_EQ(errors("{" + drop + "}"), "lib.json:1:1: missing key \"kelpie\" of library");
   EXPECT_EQ(errors("{\"kelpie\":1,\"shapes\":[]," + drop + "}"),
-            "lib.json:1:13: unknown key \"shapes\"; known: kelpie, $schema, units, include, surfaces, parts");
+            "lib.json:1:13: unknown key \"shapes\"; known: kelpie, $schema, units, include, materials, parts");
   EXPECT_EQ(errors("{\"kelpie\":1,\"units\":0.01," + drop + "}"), "lib.json:1:21: units are 0.01 here, but 1 in the scene");
   EXPECT_EQ(errors("{\"kelpie\":1,\"units\":0.01," + drop + "}", "\"units\":0.01,"), "");
-  EXPECT_EQ(errors("{\"kelpie\":1,\"surfaces\":7," + drop + "}"), "lib.json:1:24: surfaces: expected an object, found a number");
+  EXPECT_EQ(errors("{\"kelpie\":1,\"materials\":7," + drop + "}"), "lib.json:1:25: materials: expected an object, found a number");
   EXPECT_EQ(errors("{\"kelpie\":1," + drop + "}", drop + ","), "lib.json:1:22: two parts are called \"drop\" (the other: scene.json:2:10)");
   EXPECT_EQ(errors("{\"kelpie\":1,\"include\":7," + drop + "}"), "lib.json:1:23: include: expected a list, found a number");
   // Where a file is not read, nothing is said about the names that it might have brought.
@@ -339,7 +339,7 @@ TEST(Schema, KnowsPartsAndLibraries) {
   EXPECT_EQ(*root.find("properties")->find("parts")->find("additionalProperties")->find("$ref")->string(), "#/$defs/field");
   const JsonValue& surface = *root.find("$defs")->find("shape")->find("properties")->find("surface");
   EXPECT_EQ(surface.find("anyOf")->array()->size(), 2u);
-  EXPECT_NE(manual_page("shape").find("surface or the name of one of the scene's `surfaces`"), std::string::npos);
+  EXPECT_NE(manual_page("shape").find("material or the name of one of the scene's `materials`"), std::string::npos);
   EXPECT_NE(manual_page("library").find("include"), std::string::npos);
 }
 

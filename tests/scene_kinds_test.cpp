@@ -232,7 +232,8 @@ TEST(EveryKind, HasADefinitionInTheSchema) {
     const std::string name = c.is_kind ? fmt::format("{}.{}", c.group, T::k_name) : std::string(T::k_name);
     const JsonValue* definition = std::is_same_v<T, Scene> ? &root : root.find("$defs")->find(name);
     ASSERT_TRUE(definition) << name;
-    EXPECT_EQ(definition->find("properties")->object()->size(), std::tuple_size_v<decltype(T::parameters())> + c.is_kind + may_have_material<T>());
+    EXPECT_EQ(definition->find("properties")->object()->size(),
+              std::tuple_size_v<decltype(T::parameters())> + c.is_kind + may_have_material<T>());
     EXPECT_FALSE(*definition->find("additionalProperties")->boolean());
   });
 }

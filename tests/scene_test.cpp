@@ -40,7 +40,7 @@ TEST(Reader, RefusesWrongFields) {
       {R"([])", "scene.json:2:1: field: expected a field (an object with a \"kind\"), found a list"},
       {R"({"kind":"point","centre":[0,0,0],"radius":1,"raduis":1})", "scene.json:2:45: unknown key \"raduis\" (did you mean \"radius\"?)"},
       {R"({"kind":"point","centre":[0,0,0],"radius":1,"colour":1})",
-       "scene.json:2:45: unknown key \"colour\"; known: kind, centre, radius, weight, falloff"},
+       "scene.json:2:45: unknown key \"colour\"; known: kind, material, centre, radius, weight, falloff"},
       {R"({"kind":"point"})", "scene.json:2:1: missing key \"centre\" of point\nscene.json:2:1: missing key \"radius\" of point"},
       {R"({"kind":"point","centre":[0,0,0],"radius":"1"})", "scene.json:2:43: radius: expected a number, found a string"},
       {R"({"kind":"point","centre":[0,0,0],"radius":-1})", "scene.json:2:43: radius must be > 0, found -1"},

@@ -34,9 +34,6 @@ protected:
 
 TEST_F(WrongInput, Scenes) {
   expect_scene(R"({ "kelpie": 1, "shapes": [] })", 65, "error: scene.json:1:26: shapes may not be empty\n");
-  expect_scene(R"({ "kelpie": 1, "shapes": [ { "name": "a", "texture": { "kind": "marble" },
-  "field": { "kind": "point", "centre": [0, 0, 0], "radius": 1 } } ] })",
-               65, "error: scene.json:1:43: \"texture\" is known but not built yet\n");
   expect_scene(R"({ "kelpie": 1, "shapes": [ { "name": "a", "field": { "kind": "blobs", "file": "none.ply" } } ] })", 66,
                "error: scene.json:1:79: file: \"none.ply\" does not exist (" + path("none.ply") + ")\n");
   const auto field = [](const std::string& f) { return "{ \"kelpie\": 1, \"shapes\": [ { \"name\": \"a\", \"field\":\n" + f + " } ] }"; };
@@ -160,7 +157,7 @@ TEST_F(WrongInput, AShapeWithoutASurfaceIsWarnedOf) {
   for (const char* arguments : {"check scene.json", "render scene.json -o 'a.####.exr' --progress none"}) {
     const Outcome o = kelpie(arguments);
     EXPECT_EQ(o.status, 0);
-    EXPECT_EQ(o.err, warning) << arguments;
+    EXPECT_EQ(o.err.substr(0, warning.size()), warning) << arguments;
   }
   EXPECT_EQ(kelpie("check scene.json --set shapes.ball.field.weight=2").err, "");
 }

@@ -44,8 +44,7 @@ struct PathTracer::Vertex {
 };
 
 PathTracer::PathTracer(const Tracer& tracer, const std::vector<Light>& lights, const FrameScene& frame)
-    : frame_(frame), tracer_(tracer), lights_(lights), background_(frame.film.background), surfaces_(frame, tracer),
-      bounces_(frame.film.bounces) {
+    : tracer_(tracer), lights_(lights), background_(frame.film.background), surfaces_(frame, tracer), bounces_(frame.film.bounces) {
   for (const Light& light : lights_) has_extended_light_ |= !light.is_delta(), has_near_light_ |= !light.is_distant();
 }
 

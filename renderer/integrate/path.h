@@ -71,7 +71,6 @@ private:
   Vec3 found(const Path&, float reach, int bounce) const;
   Vec3 found_at_last(const Path&, RayCounters& counters) const;
 
-  const FrameScene& frame_;
   const Tracer& tracer_;
   const std::vector<Light>& lights_;
   const Background& background_;

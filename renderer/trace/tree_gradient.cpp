@@ -24,7 +24,8 @@ using ValueAndSlopes = Dual<double, 3>;
 inline ValueAndSlopes solid_value(const FieldProgram& program, const SolidLeaf& leaf, const Vec3& place) {
   thread_local SpacePoints<ValueAndSlopes> points;
   points.begin(program);
-  const Point3<ValueAndSlopes> world{ValueAndSlopes::variable(place.x, 0), ValueAndSlopes::variable(place.y, 1), ValueAndSlopes::variable(place.z, 2)};
+  const Point3<ValueAndSlopes> world{ValueAndSlopes::variable(place.x, 0), ValueAndSlopes::variable(place.y, 1),
+                                     ValueAndSlopes::variable(place.z, 2)};
   const Point3<ValueAndSlopes> p = points.at(program, leaf.space, world);
   return std::visit(
       [&](const auto& kind) -> ValueAndSlopes {
