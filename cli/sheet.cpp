@@ -42,9 +42,7 @@ struct Grid {
 void place(Picture& sheet, const Grid& grid, int index, const Picture& picture) {
   const int left = grid.gap + index % grid.columns * (grid.cell_width + grid.gap) + (grid.cell_width - picture.width) / 2;
   const int top = grid.gap + index / grid.columns * (grid.cell_height + grid.gap) + std::max(0, grid.cell_height - picture.height) / 2;
-  for (int y = 0; y < std::min(picture.height, grid.cell_height); ++y)
-    std::copy_n(picture.rgb.begin() + 3 * size_t(y) * size_t(picture.width), 3 * size_t(picture.width),
-                sheet.rgb.begin() + 3 * (size_t(top + y) * size_t(sheet.width) + size_t(left)));
+  paste(sheet, picture, left, top);
 }
 
 void make_sheet(const SheetOptions& o) {

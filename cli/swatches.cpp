@@ -3,6 +3,7 @@
 #include <thread>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <tbb/global_control.h>
 
 #include "base/atomic_file.h"
@@ -96,9 +97,7 @@ public:
   void place(size_t index, const Picture& swatch, const std::string& name) {
     const int left = gap_ + static_cast<int>(index) % columns_ * (width_ + gap_);
     const int top = gap_ + static_cast<int>(index) / columns_ * row_height();
-    for (int y = 0; y < swatch.height; ++y)
-      std::copy_n(swatch.rgb.begin() + 3 * size_t(y) * size_t(swatch.width), 3 * size_t(swatch.width),
-                  picture_.rgb.begin() + 3 * (size_t(top + y) * size_t(picture_.width) + size_t(left)));
+    paste(picture_, swatch, left, top);
     write_label(picture_, name, left + width_ / 2, top + width_ + text_ + text_ / 4, text_, k_ink);
   }
   const Picture& picture() const { return picture_; }
@@ -112,16 +111,14 @@ private:
   Picture picture_;
 };
 
-Picture render_swatch(const std::string& scene_path, const Swatch& swatch, const SwatchOptions& o, const std::vector<std::string>& set,
-                      EnvironmentCache& environments, const PictureMaker& maker) {
+/// `options`: of the scene, but for the material.
+Picture render_swatch(const std::string& scene_path, const Swatch& swatch, ReadOptions options, EnvironmentCache& environments,
+                      const PictureMaker& maker) {
   Diagnostics diagnostics;
-  std::vector<std::string> assignments = set;
-  assignments.push_back("shapes.object.surface=" + swatch.json);
-  assignments.push_back(fmt::format("film.resolution=[{0},{0}]", o.width));
-  assignments.push_back(fmt::format("film.spp={}", o.spp));
-  const Scene scene = read_scene(scene_path, {assignments, o.allow_paths}, diagnostics);
-  const PixelBox window{0, 0, o.width, o.width};
-  const RenderedFrame frame = render_frame(scene, 1, window, {environments, diagnostics, [](double) {}});
+  options.set.push_back("shapes.object.surface=" + swatch.json);
+  const Scene scene = read_scene(scene_path, options, diagnostics);
+  const Vec2i size = scene.film.resolution;
+  const RenderedFrame frame = render_frame(scene, 1, {0, 0, size.x, size.y}, {environments, diagnostics, [](double) {}});
   print_warnings(diagnostics);
   return maker.make(DecodedFrame{frame.image, {}, {}, {}, {}});
 }
@@ -136,30 +133,25 @@ void make_swatches(const SwatchOptions& o) {
   TemporaryFolder folder;
   const std::string scene_path = folder.file("swatch.json");
   write_file_atomically(scene_path, as_bytes(k_scene));
-  SwatchOptions with_file = o;
-  std::vector<std::string> set;
+  ReadOptions options{{fmt::format("film.resolution=[{0},{0}]", o.width), fmt::format("film.spp={}", o.spp)}, o.allow_paths};
   if (!o.materials.empty()) {
-    const std::string file = std::filesystem::absolute(o.materials).string();
-    set.push_back(fmt::format("include=[\"{}\"]", file));
-    with_file.allow_paths.push_back(std::filesystem::path(file).parent_path().string());
+    const std::filesystem::path file = std::filesystem::absolute(o.materials);
+    if (!std::filesystem::exists(file)) throw Error(ExitStatus::missing_input, "does not exist", {o.materials});
+    options.set.push_back("include=" + nlohmann::json{file.string()}.dump());
+    options.allow_paths.push_back(file.parent_path().string());
   }
   Diagnostics diagnostics;
-  const Scene scene = read_scene(scene_path, {set, with_file.allow_paths}, diagnostics);
+  const Scene scene = read_scene(scene_path, options, diagnostics);
+  if (!has_font()) diagnostics.warning({}, "no font was found for the names of the swatches (Debian: fonts-dejavu-core)");
   print_warnings(diagnostics);
   const std::vector<Swatch> swatches = chosen(all_swatches(scene, !o.materials.empty()), o.names);
   if (swatches.empty()) throw Error(ExitStatus::bad_data, fmt::format("{} has no materials", o.materials));
-  if (!has_font())
-    print_warnings([] {
-      Diagnostics d;
-      d.warning({}, "no font was found for the names of the swatches (Debian: fonts-dejavu-core)");
-      return d;
-    }());
 
   SwatchSheet sheet(swatches.size(), o);
   EnvironmentCache environments;
   Progress progress(o.progress, static_cast<double>(swatches.size()), "swatches");
   for (size_t i = 0; i < swatches.size(); ++i) {
-    sheet.place(i, render_swatch(scene_path, swatches[i], with_file, set, environments, maker), swatches[i].name);
+    sheet.place(i, render_swatch(scene_path, swatches[i], options, environments, maker), swatches[i].name);
     progress.advance(static_cast<double>(i + 1), swatches[i].name);
   }
   write_file_atomically(o.output, encode_png(sheet.picture(), 8, maker.is_srgb()));

@@ -21,8 +21,7 @@ concept Moves = std::is_same_v<T, float> || std::is_same_v<T, Vec3>;
 /// Those that are the same at all times.
 template <class T>
 concept Stands = std::is_same_v<T, bool> || std::is_same_v<T, int> || std::is_same_v<T, double> || std::is_enum_v<T> ||
-    std::is_same_v<T, std::string> || std::is_same_v<T, SampledMode::File> || IsEdge<T> ||
-    IsMaterialEdge<T>;
+    std::is_same_v<T, std::string> || std::is_same_v<T, SampledMode::File> || IsEdge<T> || IsMaterialEdge<T>;
 
 /// Calls visit(numbers…) for every number of some sampled kinds of one type that may move, in step.
 template <class Visit, class Kind, class... Others>

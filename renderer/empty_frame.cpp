@@ -42,7 +42,7 @@ public:
     const bool is_outside = upper.x < 0 || upper.y < 0 || lower.x > size_.x || lower.y > size_.y;
     if (behind == 0 && is_outside) return "lie outside the picture";
     if (behind == 0 && std::max(upper.x - lower.x, upper.y - lower.y) < 1) return "together are smaller than a pixel";
-    return "are missed by every ray: they are too thin, or lie beside the picture";
+    return "are missed by every ray: they have no surface, are too thin, or lie beside the picture";
   }
 
 private:

@@ -42,6 +42,7 @@ bool RecordReader::read(MaterialPtr& out, const JsonValue& v, const ParameterRul
 template <class Kind>
 bool RecordReader::complete_stops(Kind& kind, const JsonValue& v) {
   if constexpr (requires { kind.stops; }) {
+    if (v.find("stops") && kind.stops.empty()) return fail(*v.find("stops"), "stops may not be empty");
     if (kind.stops.empty()) {
       for (const PlainStop& plain : Kind::k_default_stops) kind.stops.push_back(stop_of(plain));
       return true;

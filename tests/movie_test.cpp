@@ -76,6 +76,23 @@ TEST_F(PictureCommands, SheetTakesPatternsAndFiles) {
   EXPECT_EQ(kelpie("sheet 'b.####.exr' -o u.png").status, 66);
 }
 
+TEST_F(PictureCommands, SwatchesShowWhatIsNamed) {
+  EXPECT_EQ(kelpie("swatches gold marble -o s.png --width 32 --spp 1").status, 0);
+  EXPECT_TRUE(fs::exists(folder_ / "s.png"));
+  EXPECT_EQ(run("echo '{\"kelpie\":1,\"materials\":{\"a\":\"gold\"}}' > \"it's.json\" && " KELPIE_PROGRAM
+                " swatches -m \"it's.json\" -o t.png --width 32 --spp 1")
+                .status,
+            0);
+  const size_t before = file_count();
+  const Outcome unknown = kelpie("swatches marbel -o u.png");
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_EQ(unknown.text, "error: no material is called \"marbel\" (did you mean \"marble\"?)\n");
+  const Outcome missing = kelpie("swatches -m none.json -o u.png");
+  EXPECT_EQ(missing.status, 66);
+  EXPECT_EQ(missing.text, "error: none.json: does not exist\n");
+  EXPECT_EQ(file_count(), before);
+}
+
 TEST_F(PictureCommands, MovieIsTaggedAndReproducible) {
   if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
   EXPECT_EQ(kelpie("movie 'a.####.exr' -o a.mp4 --progress none").text, "");

@@ -203,6 +203,7 @@ TEST(Materials, MayHaveNames) {
   EXPECT_EQ(folder.errors(scene("", "\"silvre\"")), "scene.json:2:11: unknown material \"silvre\" (did you mean \"silver\"?)");
   EXPECT_EQ(folder.errors(scene("", "\"silver\"")), "");
   EXPECT_EQ(folder.errors(scene(gold, "7")), "scene.json:2:11: surface: expected a material (an object with a \"kind\"), found a number");
+  EXPECT_EQ(folder.errors(scene("", R"({"kind":"marble","stops":[]})")), "scene.json:2:36: stops may not be empty");
   // One may be another by name, whichever comes first; but not itself.
   const Scene other = folder.read(scene("\"other\":\"gold\"," + gold, "\"other\""));
   EXPECT_EQ(other.shapes[0].surface, other.materials.at("gold"));

@@ -158,6 +158,7 @@ TEST_F(WrongInput, AShapeWithoutASurfaceIsWarnedOf) {
     const Outcome o = kelpie(arguments);
     EXPECT_EQ(o.status, 0);
     EXPECT_EQ(o.err.substr(0, warning.size()), warning) << arguments;
+    EXPECT_NE(o.err.find("frame 1 shows nothing: all shapes are missed by every ray: they have no surface, "), o.err.npos) << o.err;
   }
   EXPECT_EQ(kelpie("check scene.json --set shapes.ball.field.weight=2").err, "");
 }

@@ -55,6 +55,17 @@ inline SpreadPhase nearest_phase(const WorleyCell& cell, const Place& place) {
   return k_nearest_ranks.phase(cell.first.distance, WorleyCell::direction(cell.first), place);
 }
 
+/// The phases of the distance to the borders of cells, at a place that `turbulent` has moved.
+template <class Turbulent>
+PhaseMixture border_mixture(const Place& straight, const Turbulent& turbulent, uint32_t seed) {
+  const float lost = borders_unseen(straight);
+  if (lost == 1) return k_all_phases;
+  const Place place = turbulent(straight).turned();
+  PhaseMixture mixture(border_phase(worley(place.p, seed), place));
+  mixture.cover(k_all_phases, lost);
+  return mixture;
+}
+
 /// The two cells that a footprint is in, and which part of it is in the first.
 struct TwoCells {
   WorleyCell cell;

@@ -28,12 +28,8 @@ struct Giraffe : SolidTexture<Giraffe, Mode> {
 
   // Sampled:
   PhaseMixture mixture(const Place& straight) const {
-    const float lost = borders_unseen(straight);
-    if (lost == 1) return k_all_phases;
-    const Place place = this->turbulent(straight).turned();
-    PhaseMixture mixture(border_phase(worley(place.p, this->stream(2)), place));
-    mixture.cover(k_all_phases, lost);
-    return mixture;
+    return border_mixture(
+        straight, [this](const Place& place) { return this->turbulent(place); }, this->stream(2));
   }
 
   float profile(float phase) const {

@@ -53,8 +53,8 @@ struct RectangleEmitter::View {
 };
 
 RectangleEmitter::RectangleEmitter(const RectangleLight<SampledMode>& light)
-    : middle_(light.position), normal_(direction_to(light.target, light.position)), width_(light.width), height_(light.height),
-      radiance_(light.colour.rgb * (light.strength / (light.width * light.height))), is_visible_(light.visible) {
+    : NearEmitter(light, light.width * light.height), middle_(light.position), normal_(direction_to(light.target, light.position)),
+      width_(light.width), height_(light.height) {
   const Vec3 across = glm::cross(light.up, normal_);
   x_ = glm::length(across) > 1e-6f * glm::length(light.up) ? glm::normalize(across) : OrthonormalBasis(normal_).x;
   y_ = glm::cross(normal_, x_);
@@ -80,8 +80,8 @@ Arrival RectangleEmitter::seen_along(const Vec3& p, const Vec3& direction) const
 }
 
 DiscEmitter::DiscEmitter(const DiscLight<SampledMode>& light)
-    : middle_(light.position), normal_(direction_to(light.target, light.position)), radius_(light.radius),
-      radiance_(light.colour.rgb * (light.strength / (k_pi * light.radius * light.radius))), is_visible_(light.visible) {}
+    : NearEmitter(light, k_pi * light.radius * light.radius), middle_(light.position), normal_(direction_to(light.target, light.position)),
+      radius_(light.radius) {}
 
 /// Light from the disc's front; the density of area is 1 / (pi radius^2).
 Arrival DiscEmitter::arrive(const Vec3& direction, float distance) const {
@@ -104,8 +104,7 @@ Arrival DiscEmitter::seen_along(const Vec3& p, const Vec3& direction) const {
 }
 
 SphereEmitter::SphereEmitter(const SphereLight<SampledMode>& light)
-    : middle_(light.position), radius_(light.radius), radiance_(light.colour.rgb * (light.strength / (k_pi * light.radius * light.radius))),
-      is_visible_(light.visible) {}
+    : NearEmitter(light, k_pi * light.radius * light.radius), middle_(light.position), radius_(light.radius) {}
 
 Arrival SphereEmitter::sample(const Vec3& p, Vec2 u) const {
   const Vec3 to_middle = middle_ - p;

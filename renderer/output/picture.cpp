@@ -143,6 +143,12 @@ Picture resize(const Picture& picture, int width) {
   return resized;
 }
 
+void paste(Picture& into, const Picture& picture, int left, int top) {
+  for (int y = 0; y < std::min(picture.height, into.height - top); ++y)
+    std::copy_n(picture.rgb.begin() + 3 * size_t(y) * size_t(picture.width), 3 * size_t(picture.width),
+                into.rgb.begin() + 3 * (size_t(top + y) * size_t(into.width) + size_t(left)));
+}
+
 void develop(Picture& picture, const DisplayView& view, float exposure) {
   if (!picture.is_light) {
     for (float& v : picture.rgb) v = v > 0 ? std::min(v, 1.f) : 0.f;

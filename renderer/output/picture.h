@@ -40,6 +40,9 @@ Picture picture_of(const DecodedFrame&, const std::string& name = {});
 /// white would ring). Light is averaged as light: resize before developing.
 Picture resize(const Picture&, int width);
 
+/// Copies a picture into another, its upper left corner to a pixel of that; of what would lie below the last row nothing.
+void paste(Picture& into, const Picture&, int left, int top);
+
 /// To display-referred values in [0, 1]: light is scaled by 2^exposure and seen through the view.
 void develop(Picture&, const DisplayView&, float exposure);
 
