@@ -212,6 +212,16 @@ TEST_F(EnvironmentFiles, WhatIsNoLightIsCleanedWithAWarning) {
   for (const Vec3& t : map.texels()) EXPECT_TRUE(t.y >= 0);
 }
 
+// A sun that was too bright for the file's half floats is bright.
+TEST_F(EnvironmentFiles, AnInfinitePixelIsTheLargestHalf) {
+  const EnvironmentMap map = EnvironmentMap::load(KELPIE_CASES "/env_inf.exr", diagnostics_);
+  ASSERT_EQ(diagnostics_.warnings().size(), 1u);
+  EXPECT_NE(to_string(diagnostics_.warnings()[0]).find("3 values are infinite; they are taken as 65504"), std::string::npos);
+  float most = 0;
+  for (const Vec3& t : map.texels()) most = std::max({most, t.x, t.y, t.z});
+  EXPECT_NEAR(most, 65504, 700);
+}
+
 TEST_F(EnvironmentFiles, BrokenOnesAreErrors) {
   const std::string file = path("broken.hdr");
   const std::vector<unsigned char> whole = radiance_file(64, 32);

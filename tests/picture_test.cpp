@@ -115,5 +115,17 @@ TEST(Pictures, PngIsTaggedAndReproducible) {
   }
 }
 
+// 8 bits hold a value between two of theirs as a mixture of both, within 1/128 over any square of 8 x 8.
+TEST(Pictures, DitherKeepsTheMean) {
+  for (const float value : {0.f, 0.3f, 100 / 255.f, 100.1f / 255, 100.5f / 255, 254.9f / 255, 1.f}) {
+    const Picture p{16, 8, std::vector<float>(16 * 8 * 3, value), false};
+    const std::vector<uint8_t> bytes = dithered_to_8_bit(p);
+    EXPECT_NEAR(std::accumulate(bytes.begin(), bytes.end(), 0.0) / double(bytes.size()), 255.0 * double(value), 1.0 / 128 + 1e-4) << value;
+    const auto [least, most] = std::minmax_element(bytes.begin(), bytes.end());
+    const bool is_whole = std::abs(255 * value - std::round(255 * value)) < 1e-4f;
+    EXPECT_EQ(*most - *least, is_whole ? 0 : 1) << value;
+  }
+}
+
 } // namespace
 } // namespace kelpie

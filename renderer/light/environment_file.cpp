@@ -1,6 +1,7 @@
 // Environment maps from files.
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -16,6 +17,7 @@ namespace kelpie {
 namespace {
 
 constexpr int k_max_side = 65536;
+constexpr float k_largest_half = 65504;
 constexpr size_t k_max_texels = size_t(1) << 27; // 1.5 GB of floats
 
 /// Texels as they are in the file, three floats each.
@@ -82,9 +84,11 @@ EnvironmentMap EnvironmentMap::load(const std::string& path, Diagnostics& warnin
     fail(path, "neither a Radiance HDR (.hdr) nor an OpenEXR (.exr) picture");
 
   const size_t n = size_t(map.width) * size_t(map.height);
-  size_t cleaned = 0;
-  for (float& v : map.rgb)
+  size_t cleaned = 0, clamped = 0;
+  for (float& v : map.rgb) {
+    if (v == std::numeric_limits<float>::infinity()) v = k_largest_half, ++clamped; // a sun that was too bright for its format
     if (!std::isfinite(v)) v = 0, ++cleaned;
+  }
   if (map.chromaticities)
     to_scene_linear(map.rgb.data(), n, 3, *map.chromaticities);
   else
@@ -97,7 +101,8 @@ EnvironmentMap EnvironmentMap::load(const std::string& path, Diagnostics& warnin
       cleaned += v < -1e-4f || !std::isfinite(v);
       texels[i][c] = v > 0 && std::isfinite(v) ? v : 0.f;
     }
-  if (cleaned > 0) warnings.warning({path}, fmt::format("{} values are not finite or negative; they are taken as 0", cleaned));
+  if (clamped > 0) warnings.warning({path}, fmt::format("{} values are infinite; they are taken as {}", clamped, k_largest_half));
+  if (cleaned > 0) warnings.warning({path}, fmt::format("{} values are negative or no numbers; they are taken as 0", cleaned));
   return EnvironmentMap(map.width, map.height, std::move(texels));
 }
 

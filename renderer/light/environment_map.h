@@ -25,9 +25,9 @@ struct LightSample {
 class EnvironmentMap {
 public:
   /// A Radiance HDR (linear Rec.709) or EXR file (as the header's chromaticities say, else linear Rec.709),
-  /// converted to scene-linear. NaN, infinite and negative values become 0 with one warning. Throws Error:
-  /// missing_input when there is no such file; bad_data for any other format, a broken file, or a map of more
-  /// than 65,536 pixels a side or 2^27 in all.
+  /// converted to scene-linear. Infinite values become 65504 (the largest half), NaN and negative ones 0, with a warning each. Throws
+  /// Error: missing_input when there is no such file; bad_data for any other format, a broken file, or a map of more than 65,536 pixels a
+  /// side or 2^27 in all.
   static EnvironmentMap load(const std::string& path, Diagnostics& warnings);
   static EnvironmentMap make(EnvironmentPreset);
   /// Scene-linear, finite, non-negative texels, row by row from the top.

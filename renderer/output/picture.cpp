@@ -166,6 +166,27 @@ std::vector<uint8_t> to_8_bit(const Picture& picture) {
   return bytes;
 }
 
+namespace {
+
+/// The 8 x 8 matrix of Bayer (1973) as numbers between 0 and 1: what is rounded down after one of them was added is, on average over the
+/// matrix, the value itself. A whole number stays what it is.
+float dither_threshold(unsigned x, unsigned y) {
+  unsigned rank = 0;
+  for (unsigned bit = 0; bit < 3; ++bit) rank = 4 * rank + 2 * (((x ^ y) >> bit) & 1) + ((y >> bit) & 1);
+  return (static_cast<float>(rank) + 0.5f) / 64;
+}
+
+} // namespace
+
+std::vector<uint8_t> dithered_to_8_bit(const Picture& picture) {
+  std::vector<uint8_t> bytes(picture.rgb.size());
+  size_t i = 0;
+  for (unsigned y = 0; y < unsigned(picture.height); ++y)
+    for (unsigned x = 0; x < unsigned(picture.width); ++x)
+      for (const size_t end = i + 3; i < end; ++i) bytes[i] = static_cast<uint8_t>(picture.rgb[i] * 255 + dither_threshold(x, y));
+  return bytes;
+}
+
 std::vector<unsigned char> encode_png(const Picture& picture, int bits, bool is_srgb) {
   OIIO::ImageSpec spec(picture.width, picture.height, 3, bits == 16 ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8);
   if (is_srgb) spec.attribute("oiio:ColorSpace", "sRGB");
@@ -184,7 +205,7 @@ std::vector<unsigned char> encode_png(const Picture& picture, int bits, bool is_
     std::transform(picture.rgb.begin(), picture.rgb.end(), values.begin(), [](float v) { return static_cast<uint16_t>(v * 65535 + 0.5f); });
     check(output->write_image(OIIO::TypeDesc::UINT16, values.data()));
   } else {
-    const std::vector<uint8_t> values = to_8_bit(picture);
+    const std::vector<uint8_t> values = dithered_to_8_bit(picture);
     check(output->write_image(OIIO::TypeDesc::UINT8, values.data()));
   }
   check(output->close());

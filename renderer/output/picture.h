@@ -49,7 +49,10 @@ void develop(Picture&, const DisplayView&, float exposure);
 /// Rounded to the nearest of 256 values, without dither: three bytes a pixel.
 std::vector<uint8_t> to_8_bit(const Picture&);
 
-/// A display-referred picture as a PNG file of 8 or 16 bits a channel; `is_srgb`: tagged as such.
+/// Dithered in order, so that soft gradients have no steps: a value between two of the 256 is either of them, each as often as it is near.
+std::vector<uint8_t> dithered_to_8_bit(const Picture&);
+
+/// A display-referred picture as a PNG file of 8 or 16 bits a channel; `is_srgb`: tagged as such. 8 bits are dithered.
 std::vector<unsigned char> encode_png(const Picture&, int bits, bool is_srgb);
 
 } // namespace kelpie
