@@ -24,7 +24,8 @@ void add_view(CLI::App&);
 /// Prints `warning: …` lines to stderr.
 void print_warnings(const Diagnostics&);
 
-/// For options that name a file to write: refuses names that end as another format's do. What has no such ending is fine.
+/// For options that name a file to write: refuses names that end as another format's do, or in the number of a frame. What has no ending
+/// is fine.
 CLI::Validator ends_in(const std::string& ending);
 
 } // namespace kelpie

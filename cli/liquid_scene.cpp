@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/standard_streams.h"
 #include "field/clouds/cloud_file.h"
 #include "morph/liquid/interpolate.h"
 #include "morph/liquid/volume.h"
@@ -24,9 +25,21 @@ constexpr double k_margin = 1.15;
 /// The share of the frames for which either end is held.
 constexpr double k_hold = 0.08;
 
+/// What lies far from nearly all of a cloud decides how large it is shown.
+void warn_of_specks(const CloudExtent& e, const char* which) {
+  constexpr float k_dot = 0.1f;
+  if (e.bulk.diagonal() > k_dot * e.box.diagonal()) return;
+  const Vec3 c = e.bulk.centre();
+  print_message(fmt::format(
+      "warning: nearly all of the {} mesh, around ({:.4g}, {:.4g}, {:.4g}), is {:.2g} of its size: a speck far from it makes it "
+      "a dot; remove what is small and far away\n",
+      which, c.x, c.y, c.z, e.bulk.diagonal() / e.box.diagonal()));
+}
+
 CloudExtent checked_extent(const BlobCloud& cloud, const char* which) {
   const CloudExtent e = extent_of(cloud);
   if (e.box.is_empty()) throw Error(ExitStatus::bad_data, fmt::format("the {} cloud has no surface", which));
+  warn_of_specks(e, which);
   return e;
 }
 

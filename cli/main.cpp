@@ -22,7 +22,7 @@ CLI::Validator ends_in(const std::string& ending) {
   const auto problem = [=](std::string& name) -> std::string {
     std::string found = std::filesystem::path(name).extension().string();
     std::transform(found.begin(), found.end(), found.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    const bool is_format = std::any_of(found.begin(), found.end(), [](unsigned char c) { return std::isalpha(c) != 0; });
+    const bool is_format = std::any_of(found.begin(), found.end(), [](unsigned char c) { return std::isalpha(c) != 0 || c == '#'; });
     return is_format && found != ending ? fmt::format("{} is written here: \"{}\" must end in {}", ending.substr(1), name, ending) : "";
   };
   return {problem, ""};

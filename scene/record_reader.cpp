@@ -1,6 +1,7 @@
 #include "scene/record_reader.h"
 
 #include "materials/presets.h"
+#include "scene/other_names.h"
 
 namespace kelpie {
 
@@ -15,6 +16,11 @@ Stop<AnimatedMode> stop_of(const PlainStop& plain) {
   OpenPbr<AnimatedMode> surface;
   surface.base_color = Colour{Vec3(plain.red, plain.green, plain.blue)}, surface.specular_roughness = plain.roughness;
   return {plain.at, make_material<OpenPbr>(surface)};
+}
+
+std::string unknown_kind(std::string_view group, std::string_view name, std::span<const std::string_view> known) {
+  const std::string near = near_names(name, known);
+  return fmt::format("unknown kind of {} {}{}", group, in_quotes(name), near.empty() ? suggestion(name, known) : near);
 }
 
 } // namespace
@@ -152,7 +158,7 @@ const std::string* RecordReader::read_kind_name(const JsonValue& v, std::string_
   if (is_reserved(ReservedAs::kind, group, name))
     fail(*kind, fmt::format("the {} {} is known but not built yet", group, in_quotes(name)));
   else
-    fail(*kind, fmt::format("unknown kind of {} {}{}", group, in_quotes(name), suggestion(name, known)));
+    fail(*kind, unknown_kind(group, name, known));
   return nullptr;
 }
 

@@ -240,6 +240,15 @@ TEST(Volume, OfASphereIsRight) {
   EXPECT_NEAR(e.volume, 4.0 / 3 * k_pi * std::pow(2.0, 1.5), 0.01 * e.volume);
   EXPECT_NEAR(e.box.lower.x, 1 - std::sqrt(2.f), 0.05);
   EXPECT_NEAR(e.box.upper.z, 3 + std::sqrt(2.f), 0.05);
+  EXPECT_GT(e.bulk.diagonal(), 0.8f * e.box.diagonal());
+}
+
+// What a speck does to a box does not tell how large nearly all of it is.
+TEST(Volume, OfNearlyAllIsWhereItIs) {
+  const CloudExtent e = extent_of({{Vec3(0), 1.f, 4.f, Falloff::quartic}, {Vec3(30, 0, 0), 0.2f, 4.f, Falloff::quartic}});
+  EXPECT_GT(e.box.upper.x, 30);
+  EXPECT_LT(e.bulk.upper.x, 1.5f);
+  EXPECT_GT(e.bulk.upper.x, 0.3f);
 }
 
 } // namespace

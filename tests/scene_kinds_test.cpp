@@ -5,6 +5,7 @@
 
 #include "scene/document.h"
 #include "scene/manual.h"
+#include "scene/other_names.h"
 #include "scene/parameter_text.h"
 #include "scene/reserved.h"
 #include "tests/support/scene_folder.h"
@@ -213,12 +214,28 @@ TEST(EveryKind, HasAPageThatTellsAll) {
   });
   EXPECT_NE(manual_page("point").find("radius   number > 0, scene units, may be animated, required"), std::string::npos);
   EXPECT_NE(index.find("fields: warps\n  translate"), std::string::npos);
-  try {
-    manual_page("pont");
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.status, ExitStatus::usage);
-    EXPECT_STREQ(e.what(), "no kind is called \"pont\" (did you mean \"point\"?)");
+  EXPECT_NE(manual_page("falloff").find("cubic     q^3"), std::string::npos);
+  const auto refusal = [](std::string_view name) -> std::string {
+    try {
+      return manual_page(name);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.status, ExitStatus::usage);
+      return e.what();
+    }
+  };
+  EXPECT_EQ(refusal("pont"), "no kind is called \"pont\" (did you mean \"point\"?)");
+  EXPECT_EQ(refusal("metaball"), "no kind is called \"metaball\" (did you mean \"point\"?)");
+  EXPECT_EQ(refusal("capsule"), "no kind is called \"capsule\" (did you mean \"cone_sphere\" or \"sdf_capsule\"?)");
+  EXPECT_EQ(refusal("zzz"), "no kind is called \"zzz\"; `kelpie kinds` lists them all");
+}
+
+/// What other words lead to is there.
+TEST(OtherNames, LeadToPagesOfTheManual) {
+  for (const OtherName& other : other_names()) {
+    EXPECT_NE(manual_page(other.name), "") << other.word;
+    if (!other.other_name.empty()) {
+      EXPECT_NE(manual_page(other.other_name), "") << other.word;
+    }
   }
 }
 

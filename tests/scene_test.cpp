@@ -22,6 +22,8 @@ TEST(Reader, RefusesWrongFields) {
                     missing_kind = "scene.json:2:1: field: missing key \"kind\"; known: " + known;
   const WrongInput cases[] = {
       {R"({"kind":"pont"})", "scene.json:2:9: unknown kind of field \"pont\" (did you mean \"point\"?)"},
+      {R"({"kind":"metaball"})", "scene.json:2:9: unknown kind of field \"metaball\" (did you mean \"point\"?)"},
+      {R"({"kind":"sphere"})", "scene.json:2:9: unknown kind of field \"sphere\" (did you mean \"sdf_sphere\" or \"point\"?)"},
       {R"({"kind":"lattice"})", unknown_kind},
       {R"({"kind":"axial","child":{"kind":"point","centre":[0,0,0],"radius":1},"axes":[{"rest":[[0,0,0]],"deformed":[[0,0,0],[0,1,0]],"radius":1}]})",
        "scene.json:2:86: rest: expected at least 2 values, found one value"},

@@ -114,7 +114,7 @@ TEST_F(WrongInput, NamesOfOutputsEndAsTheirFormatsDo) {
   expect("sheet none.exr -o a.exr", 2, "error: --output: png is written here: \"a.exr\" must end in .png\n");
   expect("fit none.obj -o a.obj", 2, "error: --output: ply is written here: \"a.obj\" must end in .ply\n");
   expect("liquid none.obj none.obj --save-scene a.ply", 2, "error: --save-scene: json is written here: \"a.ply\" must end in .json\n");
-  EXPECT_EQ(kelpie("render scene.json -f 1 -o 'a.####'").status, 0);
+  expect("render scene.json -f 1 -o 'a.####'", 2, "error: --output: exr is written here: \"a.####\" must end in .exr\n");
   EXPECT_EQ(kelpie("render scene.json -f 1 -o a.EXR").status, 0);
 }
 

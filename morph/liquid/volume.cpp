@@ -1,7 +1,10 @@
 #include "morph/liquid/volume.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 namespace kelpie {
 
@@ -27,6 +30,17 @@ Box3 support(const BlobCloud& cloud) {
   Box3 box;
   for (const Blob& b : cloud) box.extend(kelpie::support(b));
   return box;
+}
+
+/// The first and the last of the slices that are left without the outermost hundredth of their sum at either end.
+std::pair<size_t, size_t> bulk_of(const std::vector<size_t>& slices) {
+  const size_t left_out = std::accumulate(slices.begin(), slices.end(), size_t(0)) / 100;
+  size_t first = 0, last = slices.size() - 1;
+  for (size_t sum = slices[first]; sum <= left_out; sum += slices[++first]) {
+  }
+  for (size_t sum = slices[last]; sum <= left_out; sum += slices[--last]) {
+  }
+  return {first, last};
 }
 
 } // namespace
@@ -69,10 +83,19 @@ double VolumeGrid::volume(const BlobCloud& cloud) const {
 
 CloudExtent VolumeGrid::extent(const BlobCloud& cloud) const {
   CloudExtent e;
+  std::array<std::vector<size_t>, 3> slices; // how many cells inside each slice across an axis has
+  for (size_t k = 0; k < 3; ++k) slices[k].resize(count_[k]);
   for_each_cell_inside(cloud, [&](const Vec3& lower, const Vec3& upper) {
     e.box.extend(Box3{lower, upper});
     e.volume += double(step_) * double(step_) * double(step_);
+    const Vec3 cell = (lower - origin_) / step_ + 1.f;
+    for (size_t k = 0; k < 3; ++k) ++slices[k][std::min(static_cast<size_t>(cell[k]), count_[k] - 1)];
   });
+  for (size_t k = 0; k < 3 && !e.box.is_empty(); ++k) {
+    const auto [first, last] = bulk_of(slices[k]);
+    e.bulk.lower[k] = origin_[k] + step_ * (static_cast<float>(first) - 0.5f);
+    e.bulk.upper[k] = origin_[k] + step_ * (static_cast<float>(last) + 0.5f);
+  }
   return e;
 }
 

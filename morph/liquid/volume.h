@@ -10,6 +10,7 @@ namespace kelpie {
 /// The shape {f > 1} of a cloud, to about a hundredth of its size.
 struct CloudExtent {
   Box3 box;          ///< empty where there is no such shape
+  Box3 bulk;         ///< along each axis without the outermost hundredth of the volume at either end
   double volume = 0; ///< cubic scene units
 };
 
