@@ -94,8 +94,11 @@ struct Range {
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
   bool lower_open = false, upper_open = false;
+  bool without_zero = false; ///< nor may a curve change its sign, but in a step
 
-  constexpr bool contains(double v) const { return (lower_open ? v > lower : v >= lower) && (upper_open ? v < upper : v <= upper); }
+  constexpr bool contains(double v) const {
+    return (lower_open ? v > lower : v >= lower) && (upper_open ? v < upper : v <= upper) && !(without_zero && v == 0);
+  }
 };
 
 /// What a field is to the operator that has it as an operand.
@@ -144,6 +147,9 @@ struct Parameter : ParameterRules {
   }
   constexpr Parameter below(double v) const {
     return with([&](ParameterRules& p) { p.range.upper = v, p.range.upper_open = true; });
+  }
+  constexpr Parameter other_than_zero() const {
+    return with([&](ParameterRules& p) { p.range.without_zero = true; });
   }
   constexpr Parameter required() const {
     return with([](ParameterRules& p) { p.is_required = true; });

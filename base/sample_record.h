@@ -23,6 +23,8 @@ struct RecordSampler {
       // What was in it is an asset.
     } else if constexpr (std::is_same_v<From, To>) {
       to = from;
+    } else if constexpr (IsOptional<From>) {
+      if (from) value(*from, to.emplace());
     } else if constexpr (IsList<From>) {
       to.reserve(from.size());
       for (const auto& element : from) value(element, to.emplace_back());

@@ -46,7 +46,7 @@ Field bend(const Vec3d& centre, double length, double angle, const Field& child)
 Field cone(const Vec3d& from, const Vec3d& to, double a, double b, double weight = k_weight) {
   const double influence = k_softness * std::min(a, b), skin = k_surface_at * influence;
   return fmt::format("{{\"kind\":\"cone_sphere\",\"from\":[{:.5f},{:.5f},{:.5f}],\"to\":[{:.5f},{:.5f},{:.5f}],\"from_radius\":{:.5f},"
-                     "\"to_radius\":{:.5f},\"radius\":{:.5f},\"weight\":{:.4f}}}",
+                     "\"to_radius\":{:.5f},\"radius\":{:.5f},\"weight\":{:.4f},\"falloff\":\"quartic\"}}",
                      from.x, from.y, from.z, to.x, to.y, to.z, a - skin, b - skin, influence, weight);
 }
 

@@ -67,8 +67,8 @@ private:
   void write(const RenderedFrame& rendered, int frame, const std::string& path, const std::string& key, Diagnostics& diagnostics) {
     const double cpu_before = process_cpu_s();
     const CameraMatrices matrices = camera_matrices(rendered.camera, rendered.image.resolution);
-    const EncodedFrame encoded =
-        write_exr(path, rendered.image, {frame, scene_.frames.fps, key, matrices.camera_from_world, matrices.ndc_from_world});
+    const EncodedFrame encoded = write_exr(
+        path, rendered.image, {frame, scene_.frames.fps, key, scene_.meta.text, matrices.camera_from_world, matrices.ndc_from_world});
     if (encoded.clamped > 0)
       diagnostics.warning({path, 0, 0}, fmt::format("{} values above 65504 were clamped to the range of half floats", encoded.clamped));
     rusage usage{};

@@ -88,12 +88,43 @@ void check_ends(const Scene& scene, ProblemList& problems) {
                                             std::visit([](const auto& kind) { return kind.k_name; }, leaf->kind)));
 }
 
+/// A skeleton whose `surface_radius` is given must be above the threshold of every shape that it is in, at all keys of both.
+template <class Kind>
+void check_surface_radius(const FieldNode& node, const Kind& kind, const TimeMap& time, const Shape& shape, double first_frame,
+                          ProblemList& problems) {
+  if constexpr (requires { kind.surface_radius; }) {
+    if (!kind.surface_radius) return;
+    std::set<double> frames{first_frame};
+    for (const Key<float>& key : kind.weight.keys()) frames.insert(time.frame_of(key.frame));
+    for (const Key<float>& key : shape.threshold.keys()) frames.insert(key.frame);
+    for (const double frame : frames) {
+      const float weight = kind.weight.at(time.at(frame)), threshold = shape.threshold.at(frame);
+      if (weight > threshold) continue;
+      return problems.add(node.where, fmt::format("surface_radius: the weight must be above the threshold; at frame {} this {} has {}, and "
+                                                  "shape {} has {}",
+                                                  frame, kind.k_name, weight, in_quotes(shape.name), threshold));
+    }
+  }
+}
+
+void check_surface_radii(const Scene& scene, ProblemList& problems) {
+  for (const Shape& shape : scene.shapes) {
+    if (!shape.field) continue;
+    FieldFold<std::monostate> fold(PartsShared::in_one_time);
+    fold(*shape.field, [&](const FieldNode& node, const auto& kind, const TimeMap& time, auto&&) {
+      check_surface_radius(node, kind, time, shape, scene.frames.first, problems);
+      return std::monostate{};
+    });
+  }
+}
+
 } // namespace
 
 void check_scene(const Scene& scene, const Document& document, ProblemList& problems) {
   check_frames(scene.frames, document, problems);
   check_camera(scene.camera, document, problems);
   check_ends(scene, problems);
+  check_surface_radii(scene, problems);
 }
 
 } // namespace kelpie

@@ -36,31 +36,50 @@ std::string in_quotes(std::string_view s) {
 namespace {
 
 void append_string(std::string_view s, std::string& out) {
-  // Lengths make the text unambiguous without escapes.
-  fmt::format_to(std::back_inserter(out), "{}:", s.size());
-  out += s;
+  out += '"';
+  for (const char c : s) {
+    if (static_cast<unsigned char>(c) < 0x20) {
+      fmt::format_to(std::back_inserter(out), "\\u{:04x}", static_cast<int>(c));
+      continue;
+    }
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  out += '"';
+}
+
+void append_canonical(const JsonValue& v, std::string& out);
+
+/// `append` each of some elements, between brackets.
+template <class Elements, class Append>
+void append_all(const Elements& elements, char opening, char closing, std::string& out, const Append& append) {
+  out += opening;
+  for (const auto& e : elements) {
+    if (&e != &elements.front()) out += ',';
+    append(e);
+  }
+  out += closing;
 }
 
 void append_canonical(const JsonValue& v, std::string& out) {
   if (const bool* flag = v.boolean()) {
-    out += *flag ? 't' : 'f';
+    out += *flag ? "true" : "false";
   } else if (const double* n = v.number()) {
-    fmt::format_to(std::back_inserter(out), "{},", *n == 0 ? 0.0 : *n); // -0 is 0
+    fmt::format_to(std::back_inserter(out), "{}", *n == 0 ? 0.0 : *n); // -0 is 0
   } else if (const std::string* s = v.string()) {
     append_string(*s, out);
   } else if (const JsonValue::Array* elements = v.array()) {
-    out += '[';
-    for (const JsonValue& e : *elements) append_canonical(e, out);
-    out += ']';
+    append_all(*elements, '[', ']', out, [&](const JsonValue& e) { append_canonical(e, out); });
   } else if (const JsonValue::Object* members = v.object()) {
     std::vector<const JsonMember*> sorted;
     for (const JsonMember& m : *members) sorted.push_back(&m);
     std::sort(sorted.begin(), sorted.end(), [](const JsonMember* a, const JsonMember* b) { return a->key < b->key; });
-    out += '{';
-    for (const JsonMember* m : sorted) append_string(m->key, out), append_canonical(m->value, out);
-    out += '}';
+    append_all(sorted, '{', '}', out, [&](const JsonMember* m) {
+      append_string(m->key, out), out += ':';
+      append_canonical(m->value, out);
+    });
   } else {
-    out += 'n';
+    out += "null";
   }
 }
 

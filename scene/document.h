@@ -50,7 +50,7 @@ std::string_view describe(const JsonValue&);
 /// The text in quotes as an error message may show it: shortened, without control characters.
 std::string in_quotes(std::string_view);
 
-/// The same for any two texts that differ only in white space, comments, order of keys and spelling of
+/// JSON in one line, the same for any two texts that differ only in white space, comments, order of keys and spelling of
 /// numbers: what the scene's hash is made of.
 std::string canonical_text(const JsonValue&);
 

@@ -49,7 +49,9 @@ sharper than `crease` stay edges, all others are smooth.)";
         parameter("position", &TriangleMesh::position, "where the file's origin goes").in(Unit::length),
         parameter("axis", &TriangleMesh::axis, "direction of the axis that it is turned about; need not be a unit vector").nonzero(),
         parameter("angle", &TriangleMesh::angle, "how far it is turned, right-handed").in(Unit::degrees),
-        parameter("scale", &TriangleMesh::scale, "a factor for each axis of the file, or one for all").above(0).or_number_for_all(),
+        parameter("scale", &TriangleMesh::scale, "a factor for each axis of the file, or one for all; a negative one mirrors")
+            .other_than_zero()
+            .or_number_for_all(),
         parameter("crease", &TriangleMesh::crease, "triangles that meet at a larger angle keep an edge between them; 0: flat facets")
             .in(Unit::degrees)
             .at_least(0)

@@ -27,6 +27,11 @@ struct Page {
   std::string parameters; ///< the text below the doc
 };
 
+template <class T>
+constexpr bool k_may_be_animated = IsAnimated<T>;
+template <class T>
+constexpr bool k_may_be_animated<std::optional<T>> = IsAnimated<T>;
+
 /// "number > 0, scene units, may be animated, default 1": all that a table says, in one line.
 template <class T>
 std::string facts_of(const ParameterRules& rules, const T& default_value) {
@@ -41,7 +46,7 @@ std::string facts_of(const ParameterRules& rules, const T& default_value) {
   if (rules.least_count > 1) facts.push_back(fmt::format("at least {}", rules.least_count));
   if (rules.is_nonzero) facts.push_back("not zero");
   if (rules.unit != Unit::none) facts.emplace_back(unit_text(rules.unit));
-  if (IsAnimated<T>) facts.push_back("may be animated");
+  if (k_may_be_animated<T>) facts.push_back("may be animated");
   const std::string value = json_text(default_value);
   if (rules.is_required)
     facts.push_back(rules.alternative.empty() ? "required" : fmt::format("this or `{}` is required", rules.alternative));
@@ -133,20 +138,6 @@ std::string page_text(const Preset& preset) {
   for_each_parameter<OpenPbr<SampledMode>>(add);
   return fmt::format("{{ \"kind\": \"openpbr\"{} }}\n", members);
 }
-
-constexpr std::string_view k_falloff_doc = R"(How a potential falls from its skeleton to its end.
-
-With d the distance from the skeleton, u = (d / radius)^2 and q = 1 - u, the potential is weight * falloff(u), 0 from u = 1 on:
-
-    quartic   q^2                                              the default
-    wyvill    1 - 22u/9 + 17u^2/9 - 4u^3/9 = q^2 (5 + 4q) / 9
-    cubic     q^3
-
-A lone skeleton of weight 2 has its surface, at the threshold 1, at 0.541 radius with `quartic`, 0.5 with `wyvill`, 0.454 with `cubic`.
-All three end without a jump in their slope, so normals are continuous where one influence ends upon another. What is reflected bends
-with the second derivative, which in units of weight / radius^2 jumps there by 8 with `quartic`, a kink that polished metal shows, by 4.4
-with `wyvill`, and not at all with `cubic`. Source of `wyvill`: Wyvill, McPheeters, Wyvill, "Data structure for soft objects", 1986;
-methods.md section 2.)";
 
 std::vector<Page> all_pages() {
   std::vector<Page> pages;

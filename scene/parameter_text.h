@@ -23,6 +23,7 @@ inline std::string json_text(const FieldPtr&) { return {}; }
 inline std::string json_text(const MaterialPtr& v) {
   return v ? std::visit([](const auto& kind) { return fmt::format("{{ \"kind\": \"{}\" }}", kind.k_name); }, v->kind) : "";
 }
+inline std::string json_text(const FreeObject&) { return {}; }
 inline std::string json_text(const Background& v) {
   if (v.kind == Background::Kind::colour) return json_text(v.colour);
   return v.kind == Background::Kind::environment ? "\"environment\"" : "\"transparent\"";
@@ -85,6 +86,8 @@ std::string type_text() {
     return std::string(k_group_name<FieldKinds>);
   else if constexpr (std::is_same_v<T, MaterialPtr>)
     return std::string(k_group_name<MaterialKinds>);
+  else if constexpr (std::is_same_v<T, FreeObject>)
+    return "object of any form";
   else if constexpr (std::is_same_v<T, bool>)
     return "true or false";
   else if constexpr (std::is_same_v<T, int>)
@@ -113,17 +116,11 @@ std::string type_text() {
 std::string_view unit_text(Unit);
 
 /// An object with what must be said: every required parameter at its default or, where it has none, at
-/// something plausible. A soft leaf is given a weight with which it has a surface.
+/// something plausible.
 template <Record T>
 std::string minimal_json(bool is_kind);
 
 namespace detail {
-/// A leaf of the default weight only reaches the default threshold, unless it counts in thresholds.
-template <class T>
-inline constexpr bool k_is_soft = requires(T kind) {
-  { kind.falloff } -> std::same_as<Falloff&>;
-};
-
 template <class T>
 std::string plausible_json(const ParameterRules& rules, const T& value) {
   if constexpr (std::is_same_v<T, FieldPtr>)
@@ -151,7 +148,6 @@ std::string minimal_json(bool is_kind) {
   if (is_kind) members.push_back(fmt::format("\"kind\": \"{}\"", T::k_name));
   const T defaults{};
   for_each_parameter<T>([&](const auto& row) {
-    if (detail::k_is_soft<T> && row.name == "weight") members.push_back("\"weight\": 2");
     // Of two alternatives the one that comes first in the alphabet.
     if (!row.is_required || (!row.alternative.empty() && row.alternative < row.name)) return;
     members.push_back(fmt::format("\"{}\": {}", row.name, detail::plausible_json(row, defaults.*(row.member))));

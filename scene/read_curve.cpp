@@ -22,6 +22,12 @@ bool is_within(const Range& range, float v) { return range.contains(double(v)); 
 bool is_within(const Range& range, const Vec3& v) { return is_within(range, v.x) && is_within(range, v.y) && is_within(range, v.z); }
 bool is_within(const Range& range, const Colour& c) { return is_within(range, c.rgb); }
 
+bool have_equal_signs(float a, float b) { return (a < 0) == (b < 0); }
+bool have_equal_signs(const Vec3& a, const Vec3& b) {
+  return have_equal_signs(a.x, b.x) && have_equal_signs(a.y, b.y) && have_equal_signs(a.z, b.z);
+}
+bool have_equal_signs(const Colour& a, const Colour& b) { return have_equal_signs(a.rgb, b.rgb); }
+
 } // namespace
 
 template <class T>
@@ -46,17 +52,18 @@ bool ValueReader::read_key(Key<T>& out, const JsonValue& v, Interpolation how, c
   return is_good;
 }
 
-/// A Hermite curve can leave the range in which its keys lie. Sampled, not solved: what slips through is
-/// less than an eighth of an interval wide.
+/// A Hermite curve can leave the range in which its keys lie, and any that does not step passes what lies between two keys. Sampled, not
+/// solved: what slips through is less than an eighth of an interval wide.
 template <class T>
 bool ValueReader::check_between_keys(const Animated<T>& curve, const JsonValue& v, const ParameterRules& rules) {
-  if (curve.interpolation() != Interpolation::hermite) return true;
+  if (curve.interpolation() == Interpolation::step) return true;
   constexpr int k_samples = 8;
   for (size_t i = 1; i < curve.keys().size(); ++i)
-    for (int j = 1; j < k_samples; ++j) {
+    for (int j = 1; j <= k_samples; ++j) {
       const double from = curve.keys()[i - 1].frame, to = curve.keys()[i].frame;
       const double frame = from + (to - from) * j / k_samples;
-      if (!is_within(rules.range, curve.at(frame)))
+      const bool passes_zero = rules.range.without_zero && !have_equal_signs(curve.keys()[i - 1].value, curve.at(frame));
+      if (passes_zero || !is_within(rules.range, curve.at(frame)))
         return fail(v, fmt::format("{} must be {}: the curve leaves that between its keys, at frame {:.6g}", rules.name,
                                    describe(rules.range), frame));
     }

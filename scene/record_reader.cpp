@@ -40,6 +40,12 @@ bool RecordReader::read(FieldPtr& out, const JsonValue& v, const ParameterRules&
   return is_good;
 }
 
+bool RecordReader::read(FreeObject& out, const JsonValue& v, const ParameterRules& rules) {
+  if (!v.object()) return fail_type(v, rules.name, "an object");
+  out.text = canonical_text(v);
+  return true;
+}
+
 bool RecordReader::read(MaterialPtr& out, const JsonValue& v, const ParameterRules& rules) {
   return v.string() ? read_material_name(out, v) : read_new_material(out, v, rules);
 }

@@ -55,6 +55,7 @@ public:
   bool read(FieldPtr& out, const JsonValue&, const ParameterRules&);
   /// An object, or the name of one of the scene's materials or of a preset.
   bool read(MaterialPtr& out, const JsonValue&, const ParameterRules&);
+  bool read(FreeObject& out, const JsonValue&, const ParameterRules&);
 
   template <IsOptional T>
   bool read(T& out, const JsonValue& v, const ParameterRules& rules) {

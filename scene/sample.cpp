@@ -3,6 +3,8 @@
 #include <numeric>
 #include <set>
 
+#include <fmt/format.h>
+
 #include "base/sample_record.h"
 #include "morph/field_fold.h"
 #include "scene/scene.h"
@@ -48,6 +50,19 @@ private:
   std::map<std::pair<const MaterialNode*, TimeMap>, MaterialIndex> sampled_;
 };
 
+/// A skeleton whose surface is placed has the radius that places it there.
+template <class Kind>
+void place_surface(Kind& kind, float threshold, const SourcePosition& where) {
+  if constexpr (requires { kind.surface_radius; })
+    if (kind.surface_radius) {
+      if (!(kind.weight > threshold)) // the keys are checked, but a curve may swing
+        throw Error(ExitStatus::bad_data, fmt::format("surface_radius: weight is {}, not above the threshold {}", kind.weight, threshold),
+                    where);
+      kind.radius =
+          static_cast<float>(radius_of_influence(kind.falloff, double(*kind.surface_radius), double(kind.weight), double(threshold)));
+    }
+}
+
 /// The variant of a list, at one moment.
 template <class List>
 typename List::template Variant<SampledMode> sample_variant(const typename List::template Variant<AnimatedMode>& v, double frame) {
@@ -56,13 +71,15 @@ typename List::template Variant<SampledMode> sample_variant(const typename List:
                     v);
 }
 
-SampledField sample_field(const FieldNode& root, double frame, MaterialSampler& materials) {
+SampledField sample_field(const FieldNode& root, double frame, float threshold, MaterialSampler& materials) {
   SampledField field;
   // What is shared does not depend on the frame, so all moments have one structure.
   FieldFold<unsigned> fold(PartsShared::in_one_time);
   fold(root, [&](const FieldNode& node, const auto& kind, const TimeMap& time, std::span<const unsigned> nodes) {
     const std::vector<MaterialIndex> named = materials.of_record(kind, time);
-    field.nodes.emplace_back(sample_record(kind, time.at(frame), nodes.data(), named.data()));
+    auto sampled = sample_record(kind, time.at(frame), nodes.data(), named.data());
+    place_surface(sampled, threshold, node.where);
+    field.nodes.emplace_back(std::move(sampled));
     const MaterialIndex own = materials(node.material, time);
     if (own.is_set() || std::any_of(named.begin(), named.end(), [](MaterialIndex m) { return m.is_set(); })) {
       field.materials.resize(field.nodes.size());
@@ -178,7 +195,7 @@ FrameScene sample_moment(const Scene& scene, double frame) {
     SampledShape s{shape.name, shape.threshold.at(frame), {}, {}, materials(shape.surface), {}, shape.priority};
     for (const auto& [tree, field] : {std::pair(&shape.field, &s.field), std::pair(&shape.texture, &s.texture)}) {
       if (!*tree) continue;
-      *field = sample_field(**tree, frame, materials);
+      *field = sample_field(**tree, frame, s.threshold, materials);
       if (std::any_of(field->nodes.begin(), field->nodes.end(), is_complex)) see(*field, field->root(), pixels);
     }
     if (shape.geometry) s.geometry = sample_variant<GeometryKinds>(*shape.geometry, frame);

@@ -66,6 +66,11 @@ struct Frames {
   }
 };
 
+/// An object of any form, as JSON; empty where there is none.
+struct FreeObject {
+  std::string text;
+};
+
 struct Scene {
   static constexpr std::string_view k_name = "scene";
   static constexpr std::string_view k_doc = R"(What a scene file holds, as JSON with comments.
@@ -77,6 +82,7 @@ World space is right-handed, y up. Files that a scene names are relative to it.)
   int version = 1;
   std::string schema;
   double units = 1;
+  FreeObject meta;
   Frames frames;
   std::vector<std::string> include;
   std::map<std::string, MaterialPtr> materials;
@@ -98,6 +104,7 @@ World space is right-handed, y up. Files that a scene names are relative to it.)
                   "metres per scene unit, for whatever depends on true size: absorption, scattering below surfaces, printing (none of "
                   "these is built yet)")
             .above(0),
+        parameter("meta", &Scene::meta, "whatever else is to be known of the pictures: each frame has it in its header, as `kelpie:meta`"),
         parameter("frames", &Scene::frames, "which frames there are"),
         parameter("include", &Scene::include, "files whose materials and parts are this scene's too: `kelpie kinds library`"),
         // What is referred to stands before what refers to it: this is the order of reading.

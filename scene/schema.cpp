@@ -19,6 +19,7 @@ Json number_schema(const char* type, const Range& range) {
   Json s{{"type", type}};
   if (!std::isinf(range.lower)) s[range.lower_open ? "exclusiveMinimum" : "minimum"] = range.lower;
   if (!std::isinf(range.upper)) s[range.upper_open ? "exclusiveMaximum" : "maximum"] = range.upper;
+  if (range.without_zero) s["not"] = {{"const", 0}};
   return s;
 }
 
@@ -83,6 +84,8 @@ Json type_schema(const ParameterRules& rules) {
     return vector_schema(rules);
   else if constexpr (std::is_same_v<T, Colour>)
     return colour_schema(rules.range);
+  else if constexpr (std::is_same_v<T, FreeObject>)
+    return {{"type", "object"}};
   else if constexpr (std::is_same_v<T, Background>)
     return {{"anyOf", {{{"enum", {"environment", "transparent"}}}, colour_schema(rules.range)}}};
   else if constexpr (std::is_same_v<T, std::string> || std::is_same_v<T, AssetPath> || std::is_same_v<T, PartReference>)

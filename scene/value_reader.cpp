@@ -6,6 +6,7 @@
 namespace kelpie {
 
 std::string describe(const Range& range) {
+  if (range.without_zero) return "other than 0";
   if (range.lower == range.upper) return fmt::format("{}", range.lower);
   const std::string lower = std::isinf(range.lower) ? "" : fmt::format("{} {}", range.lower_open ? ">" : ">=", range.lower);
   const std::string upper = std::isinf(range.upper) ? "" : fmt::format("{} {}", range.upper_open ? "<" : "<=", range.upper);

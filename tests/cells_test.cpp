@@ -170,7 +170,8 @@ TEST(Cells, PrunedEqualsFullInMotion) {
     if (const auto shape = moving_cells(field, last_threshold, limits, windows)) expect_pruned_equals_full(*shape, compared, precision);
   };
   for (const BlobCloud& cloud : {coincident_cloud(Falloff::quartic), thin_cloud(Falloff::cubic), negative_cloud(Falloff::wyvill)})
-    for (const CloudMotion moves : {CloudMotion::centres, CloudMotion::everything, CloudMotion::some}) look(moving_cloud(cloud, 0.5, moves), 1, {}, 2, 1e-5);
+    for (const CloudMotion moves : {CloudMotion::centres, CloudMotion::everything, CloudMotion::some})
+      look(moving_cloud(cloud, 0.5, moves), 1, {}, 2, 1e-5);
   EXPECT_GT(compared.in_motion, 50'000u) << "of clouds";
   compared = {};
   for (unsigned trial = 0; trial < 16 && !HasFailure(); ++trial) {
@@ -195,9 +196,8 @@ protected:
       const TimeSpan time = program.motion ? TimeSpan{float(first), float(last)} : TimeSpan{};
       const double threshold = threshold_range(program).lo;
       const Box3 part{random_point(r, cell.box), cell.box.upper};
-      const Box3 tight = cell.content == Cell::Content::tree
-                             ? tightened_to_tree(part, shape.tree(cell), cell.centre, threshold)
-                             : tightened_to_blobs(part, cell.blobs, threshold, time);
+      const Box3 tight = cell.content == Cell::Content::tree ? tightened_to_tree(part, shape.tree(cell), cell.centre, threshold)
+                                                             : tightened_to_blobs(part, cell.blobs, threshold, time);
       for (int i = 0; i < 20; ++i) {
         const Vec3 p = random_point(r, part);
         const double u = program.motion ? r.uniform(double(time.start), double(time.end)) : 0;
@@ -231,7 +231,8 @@ TEST_F(Tightening, CutsNothingOffClouds) {
 
 TEST_F(Tightening, CutsNothingOffWhatMoves) {
   for (const BlobCloud& cloud : {coincident_cloud(Falloff::quartic), thin_cloud(Falloff::quartic)})
-    for (const CloudMotion moves : {CloudMotion::centres, CloudMotion::some}) look(moving_cells(moving_cloud(cloud, 0.8, moves), 1).value());
+    for (const CloudMotion moves : {CloudMotion::centres, CloudMotion::some})
+      look(moving_cells(moving_cloud(cloud, 0.8, moves), 1).value());
   for (unsigned trial = 0; trial < 60; ++trial) // parts of them stand
     if (const auto shape = moving_cells(random_moving_tree(trial, 2, MovingTree::with_points), 1.2)) look(*shape);
   EXPECT_GT(cut_in_motion_, points_ / 10);

@@ -102,7 +102,7 @@ Patch<SampledMode> wavy_patch(Random& r) {
     patch.points.emplace_back(i % 4, r.uniform(-0.5, 0.5), i / 4);
     patch.thickness.push_back(float(r.uniform(0.05, 0.3)));
   }
-  patch.detail = 0.003f, patch.radius = 3;
+  patch.detail = 0.003f, patch.radius = 3, patch.weight = 1, patch.falloff = Falloff::quartic;
   return patch;
 }
 
@@ -239,7 +239,8 @@ TEST(Detail, InPixelsGoesThroughWarps) {
 
 /// A scene of a subdivision surface of radius 1 and weight 1.
 FieldProgram subdivided(const SceneFolder& folder, const std::string& more) {
-  const Scene scene = folder.read(scene_with_field(R"({ "kind": "subdivision", "radius": 1, )" + more + " }"));
+  const Scene scene =
+      folder.read(scene_with_field(R"({ "kind": "subdivision", "radius": 1, "weight": 1, "falloff": "quartic", )" + more + " }"));
   const SampledShape shape = sample(scene, 1).shapes[0];
   return compile(shape.field, shape.threshold);
 }

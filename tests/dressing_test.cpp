@@ -340,5 +340,17 @@ TEST(Dressing, IsPlacedByScaleRotationAndPosition) {
   EXPECT_LT(glm::length(hit.normal - Vec3(-1, 0, 0)), 1e-5f);
 }
 
+// A mirror turns the corners of triangles round, and what is outside stays so.
+TEST(Dressing, AMirroredMeshIsEnteredFromOutside) {
+  TriangleMesh<SampledMode> kind = mesh_of(cube());
+  kind.scale = Vec3(-1, 1, 1);
+  const Tracer tracer(scene_of(kind));
+  SolveCounters counters;
+  Hit hit;
+  ASSERT_TRUE(tracer.intersect(ray_between(Vec3(-0.3f, 5, 0.4f), Vec3(-0.3f, 0, 0.4f)), counters, hit));
+  EXPECT_FALSE(hit.is_leaving);
+  EXPECT_LT(glm::length(hit.normal - Vec3(0, 1, 0)), 1e-5f);
+}
+
 } // namespace
 } // namespace kelpie

@@ -97,7 +97,7 @@ FrameScene blob_in_white(MaterialKinds::Variant<SampledMode> surface) {
   FrameScene scene;
   SampledShape shape;
   Point<SampledMode> point;
-  point.radius = 1, point.weight = 2;
+  point.radius = 1, point.weight = 2, point.falloff = Falloff::quartic;
   shape.field.nodes.emplace_back(point);
   scene.shapes.push_back(std::move(shape));
   set_surface(scene, 0, std::move(surface));

@@ -68,6 +68,7 @@ FrameImage test_frame(PixelBox window = {3, 2, 40, 27}) {
 FrameHeader test_header() {
   FrameHeader header;
   header.frame = 17, header.fps = 23.976, header.scene_hash = "0123456789abcdef";
+  header.meta = R"({"shot":"a\"7"})";
   Camera<SampledMode> camera;
   const CameraMatrices m = camera_matrices(camera, {48, 32});
   header.camera_from_world = m.camera_from_world, header.ndc_from_world = m.ndc_from_world;
@@ -102,6 +103,7 @@ TEST_F(OutputTest, ExrHeaderComesBack) {
   EXPECT_EQ(read.header.frame, 17);
   EXPECT_NEAR(read.header.fps, 23.976, 1e-9);
   EXPECT_EQ(read.header.scene_hash, header.scene_hash);
+  EXPECT_EQ(read.header.meta, header.meta);
   ASSERT_TRUE(read.header.camera_from_world && read.header.ndc_from_world);
   EXPECT_EQ(*read.header.camera_from_world, *header.camera_from_world);
   EXPECT_EQ(*read.header.ndc_from_world, *header.ndc_from_world);

@@ -40,14 +40,14 @@ std::string weak(std::string_view most, std::string_view threshold = "1") {
 }
 
 TEST_F(MissingSurfaces, AreThoseOfFieldsThatNeverExceedTheThreshold) {
-  EXPECT_EQ(warnings(R"({ "kind": "point", "centre": [0, 0, 0], "radius": 1 })"), weak("1"));
+  EXPECT_EQ(warnings(R"({ "kind": "point", "centre": [0, 0, 0], "radius": 1, "weight": 1 })"), weak("1"));
   EXPECT_EQ(warnings(R"({ "kind": "point", "centre": [0, 0, 0], "radius": 1, "weight": 0.25 })"), weak("0.25"));
   EXPECT_EQ(warnings(R"({ "kind": "point", "centre": [0, 0, 0], "radius": 1, "weight": 1.001 })"), "");
   EXPECT_EQ(warnings(R"({ "kind": "point", "centre": [0, 0, 0], "radius": 1, "weight": -2 })"),
             "scene.json:3:1: shape \"a\" has no surface: its field is nowhere above 0\n");
-  EXPECT_EQ(warnings(R"({ "kind": "box", "centre": [0, 0, 0], "size": 1, "radius": 1 })"), weak("1"));
+  EXPECT_EQ(warnings(R"({ "kind": "box", "centre": [0, 0, 0], "size": 1, "radius": 1, "weight": 1 })"), weak("1"));
   EXPECT_EQ(warnings(R"({ "kind": "box", "centre": [0, 0, 0], "size": 1, "radius": 1, "weight": 1.001 })"), "");
-  EXPECT_EQ(warnings(R"({ "kind": "revolution", "radius": 1, "profile": [[1, 0, 0.1], [1, 1, 0.1]] })"), weak("1"));
+  EXPECT_EQ(warnings(R"({ "kind": "revolution", "radius": 1, "weight": 1, "profile": [[1, 0, 0.1], [1, 1, 0.1]] })"), weak("1"));
   folder_.write("weak.ply", "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
                             "property float radius\nproperty float weight\nend_header\n0 1 0 1 0.7\n9 1 0 1 0.7\n");
   EXPECT_EQ(warnings(R"({ "kind": "blobs", "file": "weak.ply" })"), weak("0.7"));
@@ -57,9 +57,10 @@ TEST_F(MissingSurfaces, AreThoseOfFieldsThatNeverExceedTheThreshold) {
 
 TEST_F(MissingSurfaces, AreNotThoseOfWeakFieldsThatAddUp) {
   const auto pair = [](double x, double weight) {
-    return fmt::format(R"({{ "kind": "blend", "children": [ {{ "kind": "point", "centre": [-{0}, 0, 0], "radius": 1, "weight": {1} }},
-                                                   {{ "kind": "point", "centre": [{0}, 0, 0], "radius": 1, "weight": {1} }} ] }})",
-                       x, weight);
+    return fmt::format(
+        R"({{ "kind": "blend", "children": [ {{ "kind": "point", "centre": [-{0}, 0, 0], "radius": 1, "weight": {1}, "falloff": "quartic" }},
+                                                   {{ "kind": "point", "centre": [{0}, 0, 0], "radius": 1, "weight": {1}, "falloff": "quartic" }} ] }})",
+        x, weight);
   };
   EXPECT_EQ(warnings(pair(0.2, 0.6)), "");            // 2 * 0.6 * (1 - 0.04)^2 = 1.106 in the middle
   EXPECT_EQ(warnings(pair(0.3, 0.6)), weak("0.994")); // 1.2 * 0.91^2
@@ -69,19 +70,20 @@ TEST_F(MissingSurfaces, AreNotThoseOfWeakFieldsThatAddUp) {
 }
 
 TEST_F(MissingSurfaces, AreToldFromWhatOperatorsLeave) {
-  const std::string leaf = R"({ "kind": "point", "centre": [0, 0, 0], "radius": 1, "weight": 2 })";
+  const std::string leaf = R"({ "kind": "point", "centre": [0, 0, 0], "radius": 1, "falloff": "quartic" })";
   const std::string large = R"({ "kind": "point", "centre": [0, 0, 0], "radius": 1.1, "weight": 9 })";
   // Largest on a whole sphere, so its bound is wide.
   const std::string left = warnings(R"({ "kind": "difference", "children": [)" + leaf + ", " + large + "] }");
   EXPECT_EQ(left.find("scene.json:3:1: shape \"a\" has no surface: its field is at most 0."), 0) << left;
   EXPECT_EQ(left.find("raise"), std::string::npos) << left;
   const std::string plane = R"({ "kind": "sdf_plane", "point": [0, 0, 0] })",
-                    soft = R"({ "kind": "box", "centre": [0, 0, 0], "size": 1, "radius": 1 })";
+                    soft = R"({ "kind": "box", "centre": [0, 0, 0], "size": 1, "radius": 1, "weight": 1 })";
   EXPECT_EQ(warnings(R"({ "kind": "intersection", "children": [)" + plane + ", " + soft + "] }"), weak("1")); // one of them is weak
   const std::string far = R"({ "kind": "point", "centre": [9, 0, 0], "radius": 1, "weight": 2 })";
   EXPECT_EQ(warnings(R"({ "kind": "intersection", "children": [)" + leaf + ", " + far + "] }"),
             "scene.json:3:1: shape \"a\" has no surface: its field is nowhere above 0\n");
-  const std::string near = R"({ "kind": "point", "centre": [1.2, 0, 0], "radius": 1, "weight": 2 })"; // 2 (1 - 0.36)^2 where they meet
+  const std::string near =
+      R"({ "kind": "point", "centre": [1.2, 0, 0], "radius": 1, "falloff": "quartic" })"; // 2 (1 - 0.36)^2 where they meet
   EXPECT_EQ(warnings(R"({ "kind": "intersection", "children": [)" + leaf + ", " + near + "] }"),
             "scene.json:3:1: shape \"a\" has no surface: its field is at most 0.819, and its threshold is 1\n");
 }
@@ -144,7 +146,7 @@ TEST_F(MissingSurfaces, OfSingleSkeletonsAreSaidWhereNothingAddsToThem) {
             said(140));
   // In the part, whoever uses it, after parts that are used twice; and what complex primitives become is not spoken of.
   const std::string parts = R"("parts": { "ball": { "kind": "point", "centre": [0, 0, 0], "radius": 1, "weight": 2 },
-"limb": { "kind": "generalized_cylinder", "points": [[0, 0, 0], [3, 1, 0]], "radius": 0.3 } }, "film": { "spp": 4 },)";
+"limb": { "kind": "generalized_cylinder", "points": [[0, 0, 0], [3, 1, 0]], "radius": 0.3, "weight": 1 } }, "film": { "spp": 4 },)";
   EXPECT_EQ(
       warnings(
           R"({ "kind": "union", "children": [ { "kind": "instance", "of": "ball" }, { "kind": "instance", "of": "ball", "position": [0, 2, 0] },
@@ -155,10 +157,12 @@ TEST_F(MissingSurfaces, OfSingleSkeletonsAreSaidWhereNothingAddsToThem) {
 }
 
 TEST_F(MissingSurfaces, AreFoundBelowInstancesAndWarps) {
-  const std::string parts = R"("parts": { "p": { "kind": "segment", "from": [0, 0, 0], "to": [0, 1, 0], "radius": 0.4 } },)";
+  const std::string parts = R"("parts": { "p": { "kind": "segment", "from": [0, 0, 0], "to": [0, 1, 0], "radius": 0.4, "weight": 1 } },)";
   EXPECT_EQ(warnings(R"({ "kind": "instance", "of": "p", "position": [3, 0, 0], "scale": 2 })", parts), weak("1"));
-  EXPECT_EQ(warnings(R"({ "kind": "twist", "rate": 40, "child": { "kind": "box", "centre": [0, 1, 0], "size": 1, "radius": 0.3 } })"),
-            weak("1"));
+  EXPECT_EQ(
+      warnings(
+          R"({ "kind": "twist", "rate": 40, "child": { "kind": "box", "centre": [0, 1, 0], "size": 1, "radius": 0.3, "weight": 1 } })"),
+      weak("1"));
 }
 
 // Whatever the field: of one that exceeds its threshold somewhere nobody says that it does not, and the other way round.

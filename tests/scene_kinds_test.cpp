@@ -138,6 +138,7 @@ std::vector<double> outside(const Range& range) {
   std::vector<double> numbers;
   if (!std::isinf(range.lower)) numbers.push_back(range.lower_open ? range.lower : range.lower - 1);
   if (!std::isinf(range.upper)) numbers.push_back(range.upper_open ? range.upper : range.upper + 1);
+  if (range.without_zero) numbers.push_back(0);
   return numbers;
 }
 
@@ -212,7 +213,8 @@ TEST(EveryKind, HasAPageThatTellsAll) {
     EXPECT_NE(page.find(T::k_doc), std::string::npos);
     for_each_parameter<T>([&](const auto& row) { EXPECT_NE(page.find(row.doc), std::string::npos) << row.name; });
   });
-  EXPECT_NE(manual_page("point").find("radius   number > 0, scene units, may be animated, required"), std::string::npos);
+  EXPECT_NE(manual_page("point").find("radius   number > 0, scene units, may be animated, this or `surface_radius` is required"),
+            std::string::npos);
   EXPECT_NE(index.find("fields: warps\n  translate"), std::string::npos);
   EXPECT_NE(manual_page("falloff").find("cubic     q^3"), std::string::npos);
   const auto refusal = [](std::string_view name) -> std::string {

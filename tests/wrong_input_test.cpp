@@ -150,7 +150,7 @@ TEST_F(WrongInput, AMeshThatCanBeMendedIsUsed) {
 // A shape that nobody will see is allowed, and said once, however many frames there are.
 TEST_F(WrongInput, AShapeWithoutASurfaceIsWarnedOf) {
   write("scene.json", R"({ "kelpie": 1, "frames": { "last": 3 }, "film": { "resolution": [16, 16], "spp": 1 }, "shapes": [
-  { "name": "ball", "field": { "kind": "point", "centre": [0, 0, 0], "radius": 1 } } ] })");
+  { "name": "ball", "field": { "kind": "point", "centre": [0, 0, 0], "radius": 1, "weight": 1 } } ] })");
   const std::string warning =
       "warning: scene.json:2:3: shape \"ball\" has no surface: its field is at most 1, and its threshold is 1 (raise "
       "\"weight\", or lower \"threshold\")\n";

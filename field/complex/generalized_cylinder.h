@@ -32,8 +32,9 @@ solid. Source: Barbier, Galin, Akkouche; methods.md section 2, complex primitive
   float detail = 0.f;
   float detail_pixels = 0.1f;
   Value<Mode, float> radius{1.f};
-  Value<Mode, float> weight{1.f};
-  Falloff falloff = Falloff::quartic;
+  Value<Mode, float> weight{k_default_weight};
+  Falloff falloff = k_default_falloff;
+  std::optional<Value<Mode, float>> surface_radius{};
   Expansion expansion;
 
   static constexpr auto parameters() {
@@ -56,7 +57,9 @@ solid. Source: Barbier, Galin, Akkouche; methods.md section 2, complex primitive
         parameter("radius", &G::radius, "radius of influence, from the solid's surface: the potential is 0 beyond it")
             .in(Unit::length)
             .above(0)
+            .alternative_to("surface_radius")
             .required(),
+        parameter("surface_radius", &G::surface_radius, k_surface_radius_doc).in(Unit::length).above(0).alternative_to("radius").required(),
         parameter("weight", &G::weight, "the potential in the solid; negative carves"),
         parameter("falloff", &G::falloff, "how the potential decreases"),
     };

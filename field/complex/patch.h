@@ -30,8 +30,9 @@ complex primitives.)";
   float detail = 0.f;
   float detail_pixels = 0.5f;
   Value<Mode, float> radius{1.f};
-  Value<Mode, float> weight{1.f};
-  Falloff falloff = Falloff::quartic;
+  Value<Mode, float> weight{k_default_weight};
+  Falloff falloff = k_default_falloff;
+  std::optional<Value<Mode, float>> surface_radius{};
   Expansion expansion;
 
   static constexpr auto parameters() {
@@ -57,6 +58,12 @@ complex primitives.)";
         parameter("radius", &Patch::radius, "radius of influence, from the solid's surface: the potential is 0 beyond it")
             .in(Unit::length)
             .above(0)
+            .alternative_to("surface_radius")
+            .required(),
+        parameter("surface_radius", &Patch::surface_radius, k_surface_radius_doc)
+            .in(Unit::length)
+            .above(0)
+            .alternative_to("radius")
             .required(),
         parameter("weight", &Patch::weight, "the potential in the solid; negative carves"),
         parameter("falloff", &Patch::falloff, "how the potential decreases"),

@@ -34,8 +34,9 @@ a crack. Source: Barbier, Galin, Akkouche; methods.md section 2, complex primiti
   float detail = 0.f;
   float detail_pixels = 0.1f;
   Value<Mode, float> radius{1.f};
-  Value<Mode, float> weight{1.f};
-  Falloff falloff = Falloff::quartic;
+  Value<Mode, float> weight{k_default_weight};
+  Falloff falloff = k_default_falloff;
+  std::optional<Value<Mode, float>> surface_radius{};
   Expansion expansion;
 
   static constexpr auto parameters() {
@@ -58,7 +59,9 @@ a crack. Source: Barbier, Galin, Akkouche; methods.md section 2, complex primiti
         parameter("radius", &R::radius, "radius of influence, from the solid's surface: the potential is 0 beyond it")
             .in(Unit::length)
             .above(0)
+            .alternative_to("surface_radius")
             .required(),
+        parameter("surface_radius", &R::surface_radius, k_surface_radius_doc).in(Unit::length).above(0).alternative_to("radius").required(),
         parameter("weight", &R::weight, "the potential in the solid; negative carves"),
         parameter("falloff", &R::falloff, "how the potential decreases"),
     };

@@ -22,8 +22,9 @@ the arc d is the distance to the circle, elsewhere that to the nearer end: both 
   Value<Mode, float> arc_radius{1.f};
   Value<Mode, float> angle{180.f};
   Value<Mode, float> radius{1.f};
-  Value<Mode, float> weight{1.f};
-  Falloff falloff = Falloff::quartic;
+  Value<Mode, float> weight{k_default_weight};
+  Falloff falloff = k_default_falloff;
+  std::optional<Value<Mode, float>> surface_radius{};
 
   static constexpr auto parameters() {
     return std::tuple{
@@ -36,6 +37,12 @@ the arc d is the distance to the circle, elsewhere that to the nearer end: both 
         parameter("radius", &Arc::radius, "radius of influence, from the arc: the potential is 0 beyond it")
             .in(Unit::length)
             .above(0)
+            .alternative_to("surface_radius")
+            .required(),
+        parameter("surface_radius", &Arc::surface_radius, k_surface_radius_doc)
+            .in(Unit::length)
+            .above(0)
+            .alternative_to("radius")
             .required(),
         parameter("weight", &Arc::weight, "the potential on the arc; negative carves"),
         parameter("falloff", &Arc::falloff, "how the potential decreases"),

@@ -20,8 +20,9 @@ Source: methods.md section 2, skeletons.)";
   Value<Mode, Vec3> axis{Vec3(0, 1, 0)};
   Value<Mode, Vec3> across{Vec3(1, 0, 0)};
   Value<Mode, float> radius{1.f};
-  Value<Mode, float> weight{1.f};
-  Falloff falloff = Falloff::quartic;
+  Value<Mode, float> weight{k_default_weight};
+  Falloff falloff = k_default_falloff;
+  std::optional<Value<Mode, float>> surface_radius{};
 
   static constexpr auto parameters() {
     return std::tuple{
@@ -36,6 +37,12 @@ Source: methods.md section 2, skeletons.)";
         parameter("radius", &Box::radius, "radius of influence, from the box: the potential is 0 beyond it")
             .in(Unit::length)
             .above(0)
+            .alternative_to("surface_radius")
+            .required(),
+        parameter("surface_radius", &Box::surface_radius, k_surface_radius_doc)
+            .in(Unit::length)
+            .above(0)
+            .alternative_to("radius")
             .required(),
         parameter("weight", &Box::weight, "the potential in the box; negative carves"),
         parameter("falloff", &Box::falloff, "how the potential decreases"),

@@ -20,8 +20,9 @@ convex. On the axis the potential has a crease, as the nearest point is not one.
   Value<Mode, Vec3> normal{Vec3(0, 1, 0)};
   Value<Mode, float> circle_radius{1.f};
   Value<Mode, float> radius{1.f};
-  Value<Mode, float> weight{1.f};
-  Falloff falloff = Falloff::quartic;
+  Value<Mode, float> weight{k_default_weight};
+  Falloff falloff = k_default_falloff;
+  std::optional<Value<Mode, float>> surface_radius{};
 
   static constexpr auto parameters() {
     return std::tuple{
@@ -31,6 +32,12 @@ convex. On the axis the potential has a crease, as the nearest point is not one.
         parameter("radius", &Circle::radius, "radius of influence, from the circle: the potential is 0 beyond it")
             .in(Unit::length)
             .above(0)
+            .alternative_to("surface_radius")
+            .required(),
+        parameter("surface_radius", &Circle::surface_radius, k_surface_radius_doc)
+            .in(Unit::length)
+            .above(0)
+            .alternative_to("radius")
             .required(),
         parameter("weight", &Circle::weight, "the potential on the circle; negative carves"),
         parameter("falloff", &Circle::falloff, "how the potential decreases"),

@@ -23,8 +23,9 @@ chains of cone-spheres. Source: methods.md section 2, skeletons.)";
   Value<Mode, float> from_radius{0.f};
   Value<Mode, float> to_radius{0.f};
   Value<Mode, float> radius{1.f};
-  Value<Mode, float> weight{1.f};
-  Falloff falloff = Falloff::quartic;
+  Value<Mode, float> weight{k_default_weight};
+  Falloff falloff = k_default_falloff;
+  std::optional<Value<Mode, float>> surface_radius{};
 
   static constexpr auto parameters() {
     return std::tuple{
@@ -35,6 +36,12 @@ chains of cone-spheres. Source: methods.md section 2, skeletons.)";
         parameter("radius", &ConeSphere::radius, "radius of influence, from the solid's surface: the potential is 0 beyond it")
             .in(Unit::length)
             .above(0)
+            .alternative_to("surface_radius")
+            .required(),
+        parameter("surface_radius", &ConeSphere::surface_radius, k_surface_radius_doc)
+            .in(Unit::length)
+            .above(0)
+            .alternative_to("radius")
             .required(),
         parameter("weight", &ConeSphere::weight, "the potential in the solid; negative carves"),
         parameter("falloff", &ConeSphere::falloff, "how the potential decreases"),

@@ -19,8 +19,9 @@ it is a `cone_sphere` of equal radii. Source: methods.md section 2, skeletons.)"
   Value<Mode, Vec3> to{Vec3(0, 1, 0)};
   Value<Mode, float> cylinder_radius{1.f};
   Value<Mode, float> radius{1.f};
-  Value<Mode, float> weight{1.f};
-  Falloff falloff = Falloff::quartic;
+  Value<Mode, float> weight{k_default_weight};
+  Falloff falloff = k_default_falloff;
+  std::optional<Value<Mode, float>> surface_radius{};
 
   static constexpr auto parameters() {
     return std::tuple{
@@ -33,6 +34,12 @@ it is a `cone_sphere` of equal radii. Source: methods.md section 2, skeletons.)"
         parameter("radius", &Cylinder::radius, "radius of influence, from the solid's surface: the potential is 0 beyond it")
             .in(Unit::length)
             .above(0)
+            .alternative_to("surface_radius")
+            .required(),
+        parameter("surface_radius", &Cylinder::surface_radius, k_surface_radius_doc)
+            .in(Unit::length)
+            .above(0)
+            .alternative_to("radius")
             .required(),
         parameter("weight", &Cylinder::weight, "the potential in the solid; negative carves"),
         parameter("falloff", &Cylinder::falloff, "how the potential decreases"),

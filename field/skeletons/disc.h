@@ -19,15 +19,25 @@ The distance is exact. `disc_radius` 0 makes it a `point`. Source: methods.md se
   Value<Mode, Vec3> normal{Vec3(0, 1, 0)};
   Value<Mode, float> disc_radius{1.f};
   Value<Mode, float> radius{1.f};
-  Value<Mode, float> weight{1.f};
-  Falloff falloff = Falloff::quartic;
+  Value<Mode, float> weight{k_default_weight};
+  Falloff falloff = k_default_falloff;
+  std::optional<Value<Mode, float>> surface_radius{};
 
   static constexpr auto parameters() {
     return std::tuple{
         parameter("centre", &Disc::centre, "the disc's centre").in(Unit::length).required(),
         parameter("normal", &Disc::normal, "perpendicular to the disc; need not be a unit vector").nonzero(),
         parameter("disc_radius", &Disc::disc_radius, "the radius of the disc itself").in(Unit::length).at_least(0).required(),
-        parameter("radius", &Disc::radius, "radius of influence: the potential is 0 beyond it").in(Unit::length).above(0).required(),
+        parameter("radius", &Disc::radius, "radius of influence: the potential is 0 beyond it")
+            .in(Unit::length)
+            .above(0)
+            .alternative_to("surface_radius")
+            .required(),
+        parameter("surface_radius", &Disc::surface_radius, k_surface_radius_doc)
+            .in(Unit::length)
+            .above(0)
+            .alternative_to("radius")
+            .required(),
         parameter("weight", &Disc::weight, "the potential on the disc; negative carves"),
         parameter("falloff", &Disc::falloff, "how the potential decreases"),
     };

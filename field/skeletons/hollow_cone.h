@@ -25,8 +25,9 @@ Source: methods.md section 2, skeletons (surfaces of revolution with thickness).
   Value<Mode, float> from_thickness{0.f};
   Value<Mode, float> to_thickness{0.f};
   Value<Mode, float> radius{1.f};
-  Value<Mode, float> weight{1.f};
-  Falloff falloff = Falloff::quartic;
+  Value<Mode, float> weight{k_default_weight};
+  Falloff falloff = k_default_falloff;
+  std::optional<Value<Mode, float>> surface_radius{};
 
   static constexpr auto parameters() {
     return std::tuple{
@@ -42,6 +43,12 @@ Source: methods.md section 2, skeletons (surfaces of revolution with thickness).
         parameter("radius", &HollowCone::radius, "radius of influence, from the wall's surface: the potential is 0 beyond it")
             .in(Unit::length)
             .above(0)
+            .alternative_to("surface_radius")
+            .required(),
+        parameter("surface_radius", &HollowCone::surface_radius, k_surface_radius_doc)
+            .in(Unit::length)
+            .above(0)
+            .alternative_to("radius")
             .required(),
         parameter("weight", &HollowCone::weight, "the potential in the wall; negative carves"),
         parameter("falloff", &HollowCone::falloff, "how the potential decreases"),

@@ -18,8 +18,9 @@ Source: methods.md section 2, skeletons.)";
 
   std::vector<Value<Mode, Vec3>> points;
   Value<Mode, float> radius{1.f};
-  Value<Mode, float> weight{1.f};
-  Falloff falloff = Falloff::quartic;
+  Value<Mode, float> weight{k_default_weight};
+  Falloff falloff = k_default_falloff;
+  std::optional<Value<Mode, float>> surface_radius{};
 
   static constexpr auto parameters() {
     return std::tuple{
@@ -27,6 +28,12 @@ Source: methods.md section 2, skeletons.)";
         parameter("radius", &Polyhedron::radius, "radius of influence, from the hull: the potential is 0 beyond it")
             .in(Unit::length)
             .above(0)
+            .alternative_to("surface_radius")
+            .required(),
+        parameter("surface_radius", &Polyhedron::surface_radius, k_surface_radius_doc)
+            .in(Unit::length)
+            .above(0)
+            .alternative_to("radius")
             .required(),
         parameter("weight", &Polyhedron::weight, "the potential in the hull; negative carves"),
         parameter("falloff", &Polyhedron::falloff, "how the potential decreases"),

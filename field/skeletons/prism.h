@@ -22,8 +22,9 @@ Source: methods.md section 2, skeletons (surface patches).)";
   Value<Mode, Vec3> c{Vec3(0, 1, 0)};
   Value<Mode, float> thickness{1.f};
   Value<Mode, float> radius{1.f};
-  Value<Mode, float> weight{1.f};
-  Falloff falloff = Falloff::quartic;
+  Value<Mode, float> weight{k_default_weight};
+  Falloff falloff = k_default_falloff;
+  std::optional<Value<Mode, float>> surface_radius{};
 
   static constexpr auto parameters() {
     return std::tuple{
@@ -34,6 +35,12 @@ Source: methods.md section 2, skeletons (surface patches).)";
         parameter("radius", &Prism::radius, "radius of influence, from the prism: the potential is 0 beyond it")
             .in(Unit::length)
             .above(0)
+            .alternative_to("surface_radius")
+            .required(),
+        parameter("surface_radius", &Prism::surface_radius, k_surface_radius_doc)
+            .in(Unit::length)
+            .above(0)
+            .alternative_to("radius")
             .required(),
         parameter("weight", &Prism::weight, "the potential in the prism; negative carves"),
         parameter("falloff", &Prism::falloff, "how the potential decreases"),

@@ -21,8 +21,9 @@ Source: methods.md section 2, skeletons.)";
   Value<Mode, float> width{1.f};
   Value<Mode, float> height{1.f};
   Value<Mode, float> radius{1.f};
-  Value<Mode, float> weight{1.f};
-  Falloff falloff = Falloff::quartic;
+  Value<Mode, float> weight{k_default_weight};
+  Falloff falloff = k_default_falloff;
+  std::optional<Value<Mode, float>> surface_radius{};
 
   static constexpr auto parameters() {
     return std::tuple{
@@ -34,6 +35,12 @@ Source: methods.md section 2, skeletons.)";
         parameter("radius", &Rectangle::radius, "radius of influence, from the rectangle: the potential is 0 beyond it")
             .in(Unit::length)
             .above(0)
+            .alternative_to("surface_radius")
+            .required(),
+        parameter("surface_radius", &Rectangle::surface_radius, k_surface_radius_doc)
+            .in(Unit::length)
+            .above(0)
+            .alternative_to("radius")
             .required(),
         parameter("weight", &Rectangle::weight, "the potential on the rectangle; negative carves"),
         parameter("falloff", &Rectangle::falloff, "how the potential decreases"),

@@ -17,14 +17,24 @@ Equal ends make it a `point`. Source: methods.md section 2.)";
   Value<Mode, Vec3> from{Vec3(0)};
   Value<Mode, Vec3> to{Vec3(0, 1, 0)};
   Value<Mode, float> radius{1.f};
-  Value<Mode, float> weight{1.f};
-  Falloff falloff = Falloff::quartic;
+  Value<Mode, float> weight{k_default_weight};
+  Falloff falloff = k_default_falloff;
+  std::optional<Value<Mode, float>> surface_radius{};
 
   static constexpr auto parameters() {
     return std::tuple{
         parameter("from", &Segment::from, "one end of the skeleton").in(Unit::length).required(),
         parameter("to", &Segment::to, "the other end").in(Unit::length).required(),
-        parameter("radius", &Segment::radius, "radius of influence: the potential is 0 beyond it").in(Unit::length).above(0).required(),
+        parameter("radius", &Segment::radius, "radius of influence: the potential is 0 beyond it")
+            .in(Unit::length)
+            .above(0)
+            .alternative_to("surface_radius")
+            .required(),
+        parameter("surface_radius", &Segment::surface_radius, k_surface_radius_doc)
+            .in(Unit::length)
+            .above(0)
+            .alternative_to("radius")
+            .required(),
         parameter("weight", &Segment::weight, "the potential on the segment; negative carves"),
         parameter("falloff", &Segment::falloff, "how the potential decreases"),
     };

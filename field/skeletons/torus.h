@@ -23,8 +23,9 @@ Source: methods.md section 2, skeletons.)";
   Value<Mode, float> major_radius{1.f};
   Value<Mode, float> minor_radius{0.f};
   Value<Mode, float> radius{1.f};
-  Value<Mode, float> weight{1.f};
-  Falloff falloff = Falloff::quartic;
+  Value<Mode, float> weight{k_default_weight};
+  Falloff falloff = k_default_falloff;
+  std::optional<Value<Mode, float>> surface_radius{};
 
   static constexpr auto parameters() {
     return std::tuple{
@@ -38,6 +39,12 @@ Source: methods.md section 2, skeletons.)";
         parameter("radius", &Torus::radius, "radius of influence, from the tube's surface: the potential is 0 beyond it")
             .in(Unit::length)
             .above(0)
+            .alternative_to("surface_radius")
+            .required(),
+        parameter("surface_radius", &Torus::surface_radius, k_surface_radius_doc)
+            .in(Unit::length)
+            .above(0)
+            .alternative_to("radius")
             .required(),
         parameter("weight", &Torus::weight, "the potential in the tube; negative carves"),
         parameter("falloff", &Torus::falloff, "how the potential decreases"),

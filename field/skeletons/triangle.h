@@ -21,8 +21,9 @@ Source: methods.md section 2, skeletons.)";
   Value<Mode, Vec3> b{Vec3(1, 0, 0)};
   Value<Mode, Vec3> c{Vec3(0, 1, 0)};
   Value<Mode, float> radius{1.f};
-  Value<Mode, float> weight{1.f};
-  Falloff falloff = Falloff::quartic;
+  Value<Mode, float> weight{k_default_weight};
+  Falloff falloff = k_default_falloff;
+  std::optional<Value<Mode, float>> surface_radius{};
 
   static constexpr auto parameters() {
     return std::tuple{
@@ -32,6 +33,12 @@ Source: methods.md section 2, skeletons.)";
         parameter("radius", &FlatTriangle::radius, "radius of influence, from the triangle: the potential is 0 beyond it")
             .in(Unit::length)
             .above(0)
+            .alternative_to("surface_radius")
+            .required(),
+        parameter("surface_radius", &FlatTriangle::surface_radius, k_surface_radius_doc)
+            .in(Unit::length)
+            .above(0)
+            .alternative_to("radius")
             .required(),
         parameter("weight", &FlatTriangle::weight, "the potential on the triangle; negative carves"),
         parameter("falloff", &FlatTriangle::falloff, "how the potential decreases"),

@@ -64,7 +64,10 @@ struct Scale {
 
   static constexpr auto parameters() {
     return std::tuple{
-        parameter("by", &Scale::by, "a factor for each axis, or one for all").above(0).or_number_for_all().required(),
+        parameter("by", &Scale::by, "a factor for each axis, or one for all; a negative one mirrors")
+            .other_than_zero()
+            .or_number_for_all()
+            .required(),
         parameter("centre", &Scale::centre, "the point that stays").in(Unit::length),
         parameter("child", &Scale::child, "the field to scale").required(),
     };

@@ -32,7 +32,9 @@ What stands in the part's own instances is moved, shifted and slowed along with 
         parameter("position", &Instance::position, "where the part's origin goes").in(Unit::length),
         parameter("axis", &Instance::axis, "direction of the axis that it is turned about; need not be a unit vector").nonzero(),
         parameter("angle", &Instance::angle, "how far it is turned, right-handed").in(Unit::degrees),
-        parameter("scale", &Instance::scale, "a factor for each axis of the part, or one for all").above(0).or_number_for_all(),
+        parameter("scale", &Instance::scale, "a factor for each axis of the part, or one for all; a negative one mirrors")
+            .other_than_zero()
+            .or_number_for_all(),
         parameter("time_offset", &Instance::time_offset, "how much later the part moves").in(Unit::frames),
         parameter("time_scale", &Instance::time_scale, "how many times as fast the part moves; 0.5: at half its speed")
             .at_least(0.001)

@@ -27,6 +27,7 @@ constexpr int k_max_side = 65536, k_max_channels = 1024;
 constexpr float k_largest_half = 65504;
 constexpr const char* k_scene_hash = "kelpie:sceneHash";
 constexpr const char* k_pixel_hash = "kelpie:pixelHash";
+constexpr const char* k_meta = "kelpie:meta";
 
 OIIO::TypeDesc type_of(ChannelDepth depth) { return depth == ChannelDepth::half ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT; }
 size_t size_of(ChannelDepth depth) { return depth == ChannelDepth::half ? 2 : 4; }
@@ -137,6 +138,7 @@ void set_header(OIIO::ImageSpec& spec, const FrameHeader& header, const std::str
   spec.attribute("framesPerSecond", OIIO::TypeRational, rate);
   spec.attribute("kelpie:frame", header.frame);
   spec.attribute(k_scene_hash, header.scene_hash);
+  if (!header.meta.empty()) spec.attribute(k_meta, header.meta);
   spec.attribute(k_pixel_hash, pixel_hash);
   spec.attribute(k_file_hash_attribute, unsealed_file_hash());
   if (header.camera_from_world) spec.attribute("worldToCamera", OIIO::TypeMatrix, &(*header.camera_from_world)[0][0]);
@@ -173,6 +175,7 @@ FrameHeader header_of(const OIIO::ImageSpec& spec) {
   FrameHeader header;
   header.frame = spec.get_int_attribute("kelpie:frame", 1);
   header.scene_hash = spec.get_string_attribute(k_scene_hash);
+  header.meta = spec.get_string_attribute(k_meta);
   for (const char* name : {"FramesPerSecond", "framesPerSecond"})
     if (const auto* p = spec.find_attribute(name, OIIO::TypeRational)) {
       const int* rate = static_cast<const int*>(p->data());

@@ -23,6 +23,8 @@ struct FrameHeader {
   double fps = 24;
   /// Scene::hash: what the frame was rendered from.
   std::string scene_hash;
+  /// Scene::meta, as JSON; empty where there is none.
+  std::string meta;
   /// For column vectors; renderer/output/camera_matrices.h makes them.
   std::optional<glm::mat4> camera_from_world, ndc_from_world;
 };

@@ -151,7 +151,8 @@ bool MeshScene::intersect(const Ray& ray, MeshHit& hit) const {
     position += weights[i] * corners[i], smooth += weights[i] * corner_normals[i];
   }
   const Vec3d edge(corners[1] - corners[0]), other_edge(corners[2] - corners[0]); // in double: areas of tiny triangles are tiny squared
-  const Vec3 flat(glm::normalize(glm::cross(edge, other_edge)));
+  const double turned = glm::determinant(world_from_file.linear) < 0 ? -1 : 1;    // a mirror turns the triangles
+  const Vec3 flat(turned * glm::normalize(glm::cross(edge, other_edge)));
   const float side = glm::dot(flat, ray.direction) > 0 ? -1.f : 1.f; // 1: the ray comes from outside
 
   // Hanika, "Hacking the shadow terminator" (Ray Tracing Gems II, 2021): up to the planes that touch the smooth

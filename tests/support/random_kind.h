@@ -30,6 +30,7 @@ public:
 
   /// A value that `range` allows, of moderate size.
   double in(const Range& range, double reach = 2) {
+    if (range.without_zero) return uniform(0.05 * reach, reach);
     double lower = std::max(range.lower, -reach), upper = std::min(range.upper, reach);
     if (!(lower < upper)) lower = range.lower, upper = std::isfinite(range.upper) ? range.upper : range.lower + reach;
     const double margin = 0.05 * (upper - lower); // off the open ends
@@ -79,7 +80,11 @@ void randomise(T& member, const ParameterRules& rules, Random& r) {
     member.resize(1 + r.below(8));
     for (auto& element : member) randomise(element, rules, r);
   } else if constexpr (std::is_same_v<T, Vec3>)
-    for (int i = 0; i < 3; ++i) member[i] = static_cast<float>(r.in(rules.range, reach));
+    for (int i = 0; i < 3; ++i) {
+      // A mirror, along one axis: between two such there is none with a factor of 0.
+      const bool is_mirrored = rules.range.without_zero && i == 2;
+      member[i] = static_cast<float>(r.in(rules.range, reach) * (is_mirrored ? -1 : 1));
+    }
   else if constexpr (std::is_same_v<T, Colour>)
     randomise(member.rgb, rules, r);
 }
