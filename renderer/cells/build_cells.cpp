@@ -76,11 +76,18 @@ private:
     const double most = side <= k_calm_side * radius ? k_most_drift : k_most_turning;
     uint32_t last = 0;
     for (const Instruction& step : code.steps) {
-      if (step.space == last || program_.spaces[step.space].is_affine_in_world()) continue;
-      last = step.space;
-      if (!(turning(program_, step.space, {Vec3(box.lower), Vec3(box.upper)}) <= most)) return false;
+      const uint32_t warped = nearest_warp(step.space);
+      if (warped == last) continue;
+      last = warped;
+      if (!(turning(program_, warped, {Vec3(box.lower), Vec3(box.upper)}) <= most)) return false;
     }
     return true;
+  }
+
+  /// The space of the warp that a space lies below; 0 if there is none. Affine maps below it turn nothing.
+  uint32_t nearest_warp(uint32_t space) const {
+    while (space != 0 && program_.spaces[space].warp == Space::k_no_warp) space = program_.spaces[space].parent;
+    return space;
   }
 
   /// Halves every axis that is not much shorter than the longest, so that cells become cubes.
