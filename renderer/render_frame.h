@@ -12,8 +12,9 @@ struct FrameStats {
   RayCounters rays;
   uint64_t nonfinite = 0;
   size_t cells = 0, elements = 0, engine_bytes = 0;
-  size_t kept_cells = 0; ///< of `cells`: as the last frame left them
-  int coarsenings = 0;   ///< how often cells were made twice as long, to fit into the memory
+  size_t kept_cells = 0;        ///< of `cells`: as the last frame left them
+  int coarsenings = 0;          ///< how often cells were made twice as long, to fit into the memory
+  BuildBudget::Share costliest; ///< the shape of which most was built
 };
 
 struct RenderedFrame {
@@ -22,18 +23,29 @@ struct RenderedFrame {
   Camera<SampledMode> camera; ///< at this frame
 };
 
+/// How far building and rendering may go where only their cost is asked for.
+struct FrameTrial {
+  BuildBudget::Clock::time_point deadline;
+  size_t most_bytes = 0; ///< of what is built
+  FrameStats stats;      ///< what was found out, once the frame is built
+};
+
 /// What a frame needs besides the scene.
 struct FrameContext {
   EnvironmentCache& environments; ///< kept from frame to frame
   Diagnostics& diagnostics;       ///< receives warnings
   const std::function<void(double)>& progress;
-  size_t max_memory = 0;      ///< what building may take, bytes; 0: as much as it takes
-  KeptScenes* kept = nullptr; ///< kept from frame to frame
+  size_t max_memory = 0;       ///< what building may take before cells become coarser, bytes; 0: they never do
+  KeptScenes* kept = nullptr;  ///< kept from frame to frame
+  FrameTrial* trial = nullptr; ///< if set, render_frame() throws BuildBudget::OutOfMemory and OutOfTime where it would go further
 };
 
-/// Renders the pixels of `window` of one frame in the current TBB arena. Throws Error out_of_memory where even the coarsest
-/// cells take more than context.max_memory.
+/// Renders the pixels of `window` of one frame in the current TBB arena. Throws Error out_of_memory, which names the shape that takes most,
+/// where even the coarsest cells take more than context.max_memory, or what is built more than usable_memory(); and where the picture does.
 RenderedFrame render_frame(const Scene& scene, double frame, const PixelBox& window, const FrameContext& context);
+
+/// A shape and what it takes, in words: `"fin" (512 MB)`.
+std::string describe(const BuildBudget::Share&, const Scene&);
 
 /// CPU seconds of all threads of this process so far.
 double process_cpu_s();

@@ -19,7 +19,7 @@ void ProblemList::throw_if_any() {
   if (problems_.empty()) return;
   const auto place = [](const Problem& p) { return std::tie(p.where.file, p.where.line, p.where.column); };
   std::stable_sort(problems_.begin(), problems_.end(), [&](const Problem& a, const Problem& b) { return place(a) < place(b); });
-  if (problems_.size() >= k_limit) problems_.push_back(Problem{SourcePosition{}, "too many problems; further ones are not shown"});
+  if (problems_.size() >= k_limit) problems_.push_back(Problem{problems_.back().where, "too many problems; further ones are not shown"});
   throw Error(status_, problems_);
 }
 

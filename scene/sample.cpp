@@ -7,7 +7,7 @@
 
 #include "base/sample_record.h"
 #include "morph/field_fold.h"
-#include "scene/scene.h"
+#include "scene/pixel_scale.h"
 
 namespace kelpie {
 
@@ -179,17 +179,13 @@ void see(SampledField& field, size_t index, const PixelScale& scale) {
       field.nodes[index]);
 }
 
-PixelScale pixel_scale(const Camera<SampledMode>& camera, int height) {
-  return {camera.position, float(2 * std::tan(glm::radians(0.5 * double(camera.fov))) / height)};
-}
-
 FrameScene sample_moment(const Scene& scene, double frame) {
   FrameScene out;
   out.frame = frame;
   out.camera = sample_record(scene.camera, frame);
   out.film = sample_record(scene.film, frame);
   for (const auto& light : scene.lights) out.lights.push_back(sample_variant<LightKinds>(light, frame));
-  const PixelScale pixels = pixel_scale(out.camera, scene.detail_height > 0 ? scene.detail_height : out.film.resolution.y);
+  const PixelScale pixels = pixel_scale(scene, out.camera, out.film.resolution.y);
   MaterialSampler materials(frame, out.materials);
   for (const Shape& shape : scene.shapes) {
     SampledShape s{shape.name, shape.threshold.at(frame), {}, {}, materials(shape.surface), {}, shape.priority};

@@ -260,17 +260,17 @@ TEST(Cells, CoarserCellsTakeLess) {
 }
 
 TEST(Cells, TakeWhatTheyAreFromTheBudget) {
-  const auto build = [](MemoryBudget& budget) {
+  const auto build = [](BuildBudget& budget) {
     CellLimits limits;
     limits.budget = &budget;
     return build_cells(compile(field_of(thin_cloud(Falloff::quartic)), 1), limits);
   };
-  MemoryBudget ample(size_t(1) << 40);
+  BuildBudget ample(size_t(1) << 40);
   const ShapeCells shape = build(ample);
   const size_t needed = shape.bytes() + shape.cells.size() * k_tree_bytes_per_cell;
-  MemoryBudget enough(needed), too_little(needed - 1);
+  BuildBudget enough(needed), too_little(needed - 1);
   EXPECT_EQ(build(enough).cells.size(), shape.cells.size());
-  EXPECT_THROW(build(too_little), MemoryBudget::Exceeded);
+  EXPECT_THROW(build(too_little), BuildBudget::OutOfMemory);
 }
 
 // Wherever the field crosses the threshold there is a cell: points close together, one on either side.

@@ -31,16 +31,18 @@ using Cells = std::vector<Cell>;
 class Builder {
 public:
   Builder(const FieldProgram& program, const CellLimits& limits, uint32_t windows)
-      : program_(program), threshold_(threshold_range(program)), limits_(limits), maker_(program, windows) {}
+      : program_(program), threshold_(threshold_range(program)), limits_(limits), thin_(program), maker_(program, windows) {}
 
   /// All cells within a box.
   void run(const Box3d& box, ShapeCells& out) {
+    out.depends_on_view = thin_.are_there();
     build(box, program_.code, 0, out.cells);
     for (CellMemory& of_thread : memory_) out.memory.join(std::move(of_thread));
   }
 
 private:
   void build(const Box3d& box, const Code& parent, int depth, Cells& out) const {
+    if (limits_.budget) limits_.budget->check_time();
     std::vector<Interval> ranges;
     Code code = bound(program_, parent, box, ranges);
     const Interval field = ranges.back();
@@ -52,9 +54,10 @@ private:
     const size_t elements = element_count(code);
     const Vec3d extent = box.extent();
     const double side = std::max({extent.x, extent.y, extent.z});
+    const double width = thin_.are_there() ? thin_.dividing_radius(code, box, limits_.pixels) : radius;
     const double side_by_lattices = limits_.side_in_radii * smallest_lattice(program_, code);
-    const bool is_sparse = elements <= limits_.elements && side <= std::min(limits_.sparse_side * radius, side_by_lattices);
-    const bool is_leaf = (is_sparse || side <= limits_.side_in_radii * radius) && is_calm(box, code, side, radius);
+    const bool is_sparse = elements <= limits_.elements && side <= std::min(limits_.sparse_side * width, side_by_lattices);
+    const bool is_leaf = (is_sparse || side <= limits_.side_in_radii * width) && is_calm(box, code, side, width);
     if (is_leaf || depth >= limits_.depth)
       add_cells(box, code, keeps_programs ? &kept : nullptr, radius, out);
     else
@@ -124,6 +127,7 @@ private:
   const FieldProgram& program_;
   Interval threshold_; ///< over the slab
   const CellLimits& limits_;
+  ThinElements thin_;
   CellMaker maker_;
   mutable tbb::enumerable_thread_specific<CellMemory> memory_; ///< which of them holds a cell's parts makes no difference
 };

@@ -6,9 +6,10 @@
 #include <memory>
 
 #include "base/box.h"
+#include "field/complex/detail.h"
 #include "renderer/cells/blob_list.h"
+#include "renderer/cells/build_budget.h"
 #include "renderer/cells/cell_memory.h"
-#include "renderer/cells/memory_budget.h"
 #include "renderer/cells/tree.h"
 #include "renderer/program/motion.h"
 
@@ -41,6 +42,7 @@ struct ShapeCells {
   std::vector<Cell> cells;              ///< by windows
   std::vector<uint32_t> window_ends{0}; ///< where the cells of each window end
   CellMemory memory;                    ///< what cells point to
+  bool depends_on_view = false;         ///< other pixels would have made other cells
   float slab_start = 0, slabs = 1;      ///< the slab is [start, start + 1 / slabs] of the open shutter
 
   /// The time within the slab, 0 to 1, of a ray.
@@ -69,9 +71,10 @@ struct CellLimits {
   float side_in_radii = 2; ///< …and so does a side below this many radii of influence of its smallest element (finer: slower, and eight
                            ///< times the memory a halving)
   int depth = 24;
-  uint32_t slabs = 32;            ///< the most slabs of time in which a shape moves
-  bool with_identities = false;   ///< programs are compiled with identities, so that cells keep them
-  MemoryBudget* budget = nullptr; ///< what programs and cells take is taken from it, if there is one
+  PixelScale pixels{};           ///< of the picture: thin elements are divided no finer than by these
+  uint32_t slabs = 32;           ///< the most slabs of time in which a shape moves
+  bool with_identities = false;  ///< programs are compiled with identities, so that cells keep them
+  BuildBudget* budget = nullptr; ///< what programs and cells take is taken from it, and it ends what takes too long, if there is one
 };
 
 /// Makes cells twice as long, and with them memory smaller and rays slower; false where they would be so long that float
@@ -81,7 +84,7 @@ bool make_coarser(CellLimits&);
 /// Subdivides the support of a program from the top down: every cell is bounded and pruned; those proved
 /// empty or full are dropped. Parallel within the current TBB arena; the result does not depend on the
 /// number of threads. Windows: of a sum of blobs of which the centres move, else they are all the same. Throws
-/// MemoryBudget::Exceeded.
+/// BuildBudget::OutOfMemory and OutOfTime.
 ShapeCells build_cells(FieldProgram program, const CellLimits& limits = {}, uint32_t windows = 1);
 
 /// The program of a shape at several times of the open shutter, in [0, 1] and ascending, compiled together.

@@ -7,6 +7,9 @@ namespace kelpie {
 
 namespace {
 
+/// An element is thin if it is this many times as long as wide. All elements of pictures so far are less so.
+constexpr double k_thin = 64;
+
 /// A lower bound of what the affine maps from a space to the world do to lengths (the Frobenius norm of
 /// the inverse bounds its largest singular value). Warps that are not affine count as if they kept lengths:
 /// this only chooses the size of cells and the offset of secondary rays.
@@ -37,6 +40,15 @@ double skeleton_radius(const FieldProgram& program, uint32_t node) {
   });
 }
 
+/// How many times as long as wide a skeleton is. What is sampled has a lattice, of which the size is known.
+double skeleton_aspect(const FieldProgram& program, uint32_t node) {
+  return visit_skeleton(program, node, [](const auto& kind) -> double {
+    if constexpr (requires { kind.feature_size(); }) return 1;
+    const Vec3d e(kind.support().extent());
+    return std::max({e.x, e.y, e.z}) / std::min({e.x, e.y, e.z});
+  });
+}
+
 } // namespace
 
 size_t element_count(const Code& code) {
@@ -45,16 +57,51 @@ size_t element_count(const Code& code) {
   return n;
 }
 
-double smallest_radius(const FieldProgram& program, const Code& code) {
-  double least = std::numeric_limits<double>::infinity();
+/// Calls visit(step, radius) with the smallest radius of influence in each step that has elements, in world units.
+template <class Visit>
+void for_each_radius(const FieldProgram& program, const Code& code, Visit&& visit) {
   for (const Instruction& step : code.steps) {
     const double scale = smallest_scale(program, step.space);
-    if (step.kind == Instruction::Kind::blobs)
-      for (uint32_t j = 0; j < step.count; ++j) least = std::min(least, scale * program.blobs.radius[code.blobs[step.first + j]]);
-    else if (step.kind == Instruction::Kind::skeleton)
-      least = std::min(least, scale * skeleton_radius(program, step.node));
+    if (step.kind == Instruction::Kind::blobs) {
+      float least = std::numeric_limits<float>::infinity();
+      for (uint32_t j = 0; j < step.count; ++j) least = std::min(least, program.blobs.radius[code.blobs[step.first + j]]);
+      visit(step, scale * double(least));
+    } else if (step.kind == Instruction::Kind::skeleton) {
+      visit(step, scale * skeleton_radius(program, step.node));
+    }
   }
+}
+
+double smallest_radius(const FieldProgram& program, const Code& code) {
+  double least = std::numeric_limits<double>::infinity();
+  for_each_radius(program, code, [&](const Instruction&, double radius) { least = std::min(least, radius); });
   return std::isfinite(least) ? least : program.support.diagonal();
+}
+
+ThinElements::ThinElements(const FieldProgram& program) : program_(program) {
+  const auto length = [](const Mat3d& m) { return std::sqrt((glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2])) / 3); };
+  for (const Space& space : program.spaces) {
+    const Mat3d& m = space.local_from_parent.linear;
+    const double parent = space_aspects_.empty() ? 1 : space_aspects_[space.parent];
+    space_aspects_.push_back(parent * length(m) * length(glm::inverse(m)));
+  }
+  are_there_ = std::any_of(program.code.steps.begin(), program.code.steps.end(), [&](const Instruction& step) { return is_thin(step); });
+}
+
+bool ThinElements::is_thin(const Instruction& step) const {
+  if (step.kind == Instruction::Kind::combine) return false;
+  const double aspect = step.kind == Instruction::Kind::skeleton ? skeleton_aspect(program_, step.node) : 1;
+  return aspect * space_aspects_[step.space] > k_thin;
+}
+
+double ThinElements::dividing_radius(const Code& code, const Box3d& box, const PixelScale& pixels) const {
+  const Vec3d eye(pixels.eye);
+  const double pixel = double(pixels.per_distance) * glm::distance(eye, glm::clamp(eye, box.lower, box.upper));
+  double least = std::numeric_limits<double>::infinity();
+  for_each_radius(program_, code, [&](const Instruction& step, double radius) {
+    least = std::min(least, radius < pixel && is_thin(step) ? pixel : radius);
+  });
+  return std::isfinite(least) ? least : program_.support.diagonal();
 }
 
 double smallest_influence(const FieldProgram& program, const Code& code) {

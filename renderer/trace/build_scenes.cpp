@@ -45,6 +45,9 @@ Slabs build_moving(Moments& moments, size_t shape, std::span<const double> break
   return build_slabs(compile_at, breaks, limits);
 }
 
+bool is_same(const PixelScale& a, const PixelScale& b) { return a.eye == b.eye && a.per_distance == b.per_distance; }
+
+/// But for thin elements, which depend on the pixels.
 bool makes_the_same(const CellLimits& a, const CellLimits& b) {
   return a.elements == b.elements && a.sparse_side == b.sparse_side && a.side_in_radii == b.side_in_radii && a.depth == b.depth &&
          a.with_identities == b.with_identities;
@@ -64,11 +67,13 @@ public:
     const bool fits = kept_ && kept_->shapes().size() == frame.shapes.size() && makes_the_same(kept.limits, limits) &&
                       kept.is_exposed == (exposure_.length > 0);
     if (!fits) kept_.reset();
+    is_same_view_ = is_same(kept.limits.pixels, limits.pixels);
   }
 
   bool is_unchanged(size_t i) {
     if (!kept_) return false;
     const Slabs& last = kept_->shapes()[i];
+    if (last[0]->depends_on_view && !is_same_view_) return false;
     if (last.size() > 1 || last[0]->program.motion || !is_equal(*last[0], frame_.shapes[i])) return false;
     return std::all_of(looks_.begin(), looks_.end(), [&](double t) { return is_equal(*last[0], moments_.at(t).shapes[i]); });
   }
@@ -97,6 +102,7 @@ private:
   Moments moments_;
   const CellLimits& limits_;
   std::shared_ptr<const CellScene> kept_;
+  bool is_same_view_ = false;
   std::vector<double> breaks_; ///< in the time of the exposure
   std::vector<double> looks_;  ///< when a shape must be the same to count as unchanged
 };
@@ -112,6 +118,7 @@ std::shared_ptr<const CellScene> build_cell_scene(const FrameScene& frame, const
   const bool is_all_kept = std::none_of(all.begin(), all.end(), [](const Slabs& s) { return s.empty(); });
   if (!is_all_kept) kept.cells.reset(); // what has changed makes room first
   for (size_t i = 0; i < all.size(); ++i) {
+    if (limits.budget) limits.budget->enter(i);
     if (all[i].empty()) {
       all[i] = builder.build(i);
       continue;
@@ -141,7 +148,7 @@ std::shared_ptr<const MeshScene> build_mesh_scene(const FrameScene& frame, const
   for (MovingMesh& mesh : meshes) {
     const auto stands = [&](const TriangleMesh<SampledMode>& state) { return is_same(state, mesh.states[0]); };
     if (std::all_of(mesh.states.begin(), mesh.states.end(), stands)) mesh.states.resize(1);
-    if (limits.budget) limits.budget->take(estimated_bytes(mesh));
+    if (limits.budget) limits.budget->enter(mesh.shape), limits.budget->take(estimated_bytes(mesh));
   }
   if (!kept.meshes || !kept.meshes->is_of(meshes)) {
     kept.meshes.reset();

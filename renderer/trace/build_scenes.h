@@ -17,7 +17,7 @@ struct KeptScenes {
 
 /// The cells of all shapes; of those that are no fields there are none. What is kept is the same, to the last bit, as what would be
 /// built. `kept` then holds what the frame was built of; `kept_cells` counts those that the last frame had left. Throws
-/// MemoryBudget::Exceeded where the limits have a budget.
+/// BuildBudget::OutOfMemory where the limits have a budget.
 std::shared_ptr<const CellScene> build_cell_scene(const FrameScene&, const CellLimits&, KeptScenes& kept, size_t& kept_cells);
 
 /// The same for meshes.

@@ -12,7 +12,7 @@ namespace kelpie {
 class Tracer {
 public:
   /// `kept` may hold what the last frame was built of, and then holds what this one is. What is kept is the same, to the
-  /// last bit, as what would be built. Throws MemoryBudget::Exceeded where the limits have a budget.
+  /// last bit, as what would be built. Throws BuildBudget::OutOfMemory where the limits have a budget.
   explicit Tracer(const FrameScene& frame, const CellLimits& limits = {}, KeptScenes* kept = nullptr);
 
   /// The first surface that the ray meets, whether it can be seen there or not.
