@@ -7,6 +7,7 @@
 #include "cli/command.h"
 #include "cli/failure.h"
 #include "cli/film_options.h"
+#include "cli/heartbeat.h"
 #include "colour/spaces.h"
 #include "renderer/check_surfaces.h"
 #include "renderer/forecast.h"
@@ -48,7 +49,9 @@ void check(const std::string& path, const RenderOptions& options) {
   use_ocio_config(options.ocio);
   set_activity(fmt::format("reading {}", path));
   Diagnostics diagnostics;
+  Heartbeat reading(ProgressMode::automatic, fmt::format("reading {}", path));
   Scene scene = read_scene(path, {options.set, options.allow_paths, !options.no_cache}, diagnostics);
+  reading.stop();
   const PixelBox window = apply_film_options(options, scene.film);
   const std::vector<int> frames = parse_frames(options.frames.value_or(fmt::format("{}-{}", scene.frames.first, scene.frames.last)));
 

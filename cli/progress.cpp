@@ -32,6 +32,11 @@ std::string format_left(double seconds) { return seconds < 0 ? "" : ", " + forma
 
 } // namespace
 
+ProgressMode shown_as(ProgressMode mode) {
+  if (mode != ProgressMode::automatic) return mode;
+  return stderr_is_a_terminal() ? ProgressMode::bar : ProgressMode::plain;
+}
+
 void add_progress_option(CLI::App& app, ProgressMode& mode) {
   static const std::map<std::string, ProgressMode> names{{"auto", ProgressMode::automatic},
                                                          {"bar", ProgressMode::bar},
@@ -55,8 +60,7 @@ std::string format_duration(double seconds) {
   return fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }
 
-Progress::Progress(ProgressMode mode, double total, std::string unit) : mode_(mode), total_(total), unit_(std::move(unit)) {
-  if (mode_ == ProgressMode::automatic) mode_ = stderr_is_a_terminal() ? ProgressMode::bar : ProgressMode::plain;
+Progress::Progress(ProgressMode mode, double total, std::string unit) : mode_(shown_as(mode)), total_(total), unit_(std::move(unit)) {
   if (!(total_ > 0)) mode_ = ProgressMode::none;
 }
 

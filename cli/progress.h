@@ -19,6 +19,9 @@ enum class ProgressMode {
   none,
 };
 
+/// What `automatic` means for stderr as it is; any other mode stays.
+ProgressMode shown_as(ProgressMode);
+
 /// Adds `--progress=auto|bar|plain|jsonl|none`.
 void add_progress_option(CLI::App&, ProgressMode&);
 

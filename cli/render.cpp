@@ -13,6 +13,7 @@
 #include "cli/command.h"
 #include "cli/failure.h"
 #include "cli/film_options.h"
+#include "cli/heartbeat.h"
 #include "cli/progress.h"
 #include "cli/stats.h"
 #include "colour/spaces.h"
@@ -34,28 +35,29 @@ std::vector<int> frames_to_render(const Scene& scene, const std::optional<std::s
 /// Frames of the scene, written one by one.
 class SequenceRenderer {
 public:
-  SequenceRenderer(Scene scene, const FramePattern& pattern, const PixelBox& window, std::string hash, size_t max_memory,
+  SequenceRenderer(Scene scene, const FramePattern& pattern, const PixelBox& window, std::string hash, const RenderOptions& options,
                    Progress& progress)
-      : scene_(std::move(scene)), pattern_(pattern), window_(window), hash_(std::move(hash)), max_memory_(max_memory), progress_(progress) {
-  }
+      : scene_(std::move(scene)), pattern_(pattern), window_(window), hash_(std::move(hash)), options_(options), progress_(progress) {}
 
-  void render(int frame, bool skip_existing) {
+  void render(int frame) {
     const std::string path = pattern_.path(frame);
     const std::string key = hash_ + "#" + std::to_string(frame);
-    if (skip_existing && frame_is_complete(path, key)) {
+    if (options_.skip_existing && frame_is_complete(path, key)) {
       progress_.advance(++finished_, fmt::format("{}: exists", path));
       return;
     }
     Diagnostics diagnostics;
     std::atomic<double> share{0};
+    Heartbeat building(options_.progress, fmt::format("building frame {}", frame));
     const auto progress = [&](double tile) {
+      building.stop();
       double before = share;
       while (!share.compare_exchange_weak(before, before + tile)) {
       }
       progress_.advance(finished_ + std::min(1.0, before + tile) * 0.999);
     };
     set_activity(fmt::format("rendering frame {}", frame));
-    RenderedFrame rendered = render_frame(scene_, frame, window_, {environments_, diagnostics, progress, max_memory_, &kept_});
+    RenderedFrame rendered = render_frame(scene_, frame, window_, {environments_, diagnostics, progress, options_.max_memory, &kept_});
     write(rendered, frame, path, key, diagnostics);
     for (const Problem& p : diagnostics.warnings()) progress_.print_line("warning: " + to_string(p));
     progress_.advance(++finished_, fmt::format("wrote {}", path));
@@ -80,7 +82,7 @@ private:
   const FramePattern& pattern_;
   PixelBox window_;
   std::string hash_;
-  size_t max_memory_;
+  const RenderOptions& options_;
   Progress& progress_;
   EnvironmentCache environments_;
   KeptScenes kept_;
@@ -109,7 +111,9 @@ void render_scene(const std::string& scene_path, const std::string& name, const 
   use_ocio_config(options.ocio);
 
   Diagnostics diagnostics;
+  Heartbeat reading(options.progress, fmt::format("reading {}", scene_path));
   Scene scene = read_scene(scene_path, {options.set, options.allow_paths, !options.no_cache}, diagnostics);
+  reading.stop();
   print_warnings(diagnostics);
   const PixelBox window = apply_film_options(options, scene.film);
   const std::vector<int> frames = frames_to_render(scene, options.frames);
@@ -123,8 +127,8 @@ void render_scene(const std::string& scene_path, const std::string& name, const 
 
   const std::string hash = picture_hash(scene, window);
   Progress progress(options.progress, static_cast<double>(frames.size()), "frames");
-  SequenceRenderer sequence(std::move(scene), pattern, window, hash, options.max_memory, progress);
-  for (const int frame : frames) sequence.render(frame, options.skip_existing);
+  SequenceRenderer sequence(std::move(scene), pattern, window, hash, options, progress);
+  for (const int frame : frames) sequence.render(frame);
   if (!options.stats.empty()) write_render_stats(options.stats, threads, sequence.reports());
 }
 

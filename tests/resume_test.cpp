@@ -38,6 +38,16 @@ protected:
     write("mesh.off", "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
   }
 
+  /// Two of which building and reading take seconds.
+  void write_long_scenes() const {
+    write_blob_cloud(path("cloud.ply"), heap_of_blobs(60000));
+    write("cells.json",
+          R"({ "kelpie": 1, "camera": { "shutter": 1 }, "film": { "resolution": [16, 16], "spp": 1 }, "shapes": [ { "name": "heap",
+    "field": { "kind": "translate", "by": { "keys": [[0, [0, 0, 0]], [2, [40, 0, 0]]] }, "child": { "kind": "blobs", "file": "cloud.ply" } } } ] })");
+    write("lattice.json", R"({ "kelpie": 1, "shapes": [ { "name": "solid",
+    "field": { "kind": "sdf_mesh", "file": "mesh.off", "radius": 0.01, "voxel": 0.0011 } } ] })");
+  }
+
   /// The frames in out/, each with the file that it is.
   std::map<std::string, ino_t> frames() const {
     std::map<std::string, ino_t> found;
@@ -101,12 +111,7 @@ TEST_F(Resume, SignalsAreHeardAtOnce) {
 
 // The same in each phase: what takes long is begun, and killed sooner and later.
 TEST_F(Resume, SignalsAreHeardInEveryPhase) {
-  write_blob_cloud(path("cloud.ply"), heap_of_blobs(60000));
-  write("cells.json",
-        R"({ "kelpie": 1, "camera": { "shutter": 1 }, "film": { "resolution": [16, 16], "spp": 1 }, "shapes": [ { "name": "heap",
-    "field": { "kind": "translate", "by": { "keys": [[0, [0, 0, 0]], [2, [40, 0, 0]]] }, "child": { "kind": "blobs", "file": "cloud.ply" } } } ] })");
-  write("lattice.json", R"({ "kelpie": 1, "shapes": [ { "name": "solid",
-    "field": { "kind": "sdf_mesh", "file": "mesh.off", "radius": 0.01, "voxel": 0.0011 } } ] })");
+  write_long_scenes();
   write("map.json", R"({ "kelpie": 1, "lights": [ { "kind": "environment", "file": "map.hdr" } ], "shapes": [ { "name": "ball",
     "field": { "kind": "point", "centre": [0, 0, 0], "radius": 1, "weight": 2 } } ] })");
   ASSERT_EQ(shell("(printf '#?RADIANCE\\nFORMAT=32-bit_rle_rgbe\\n\\n-Y 4096 +X 8192\\n'; head -c 134217728 /dev/zero | tr '\\0' '\\200') "
@@ -125,6 +130,16 @@ TEST_F(Resume, SignalsAreHeardInEveryPhase) {
           << line << " after " << after << " s";
       EXPECT_TRUE(fs::is_empty(folder_ / "out")) << line;
     }
+}
+
+TEST_F(Resume, WhatTakesLongIsSaid) {
+  write_long_scenes();
+  const auto said = [&](const std::string& line) {
+    shell("timeout -s TERM 4 $KELPIE " + line + " -j 1 --progress bar -o out/a.exr 2>said.txt");
+    return text_of(folder_ / "said.txt");
+  };
+  EXPECT_NE(said("render cells.json -f 1").find("\rbuilding frame 1, for 0:01"), std::string::npos) << text_of(folder_ / "said.txt");
+  EXPECT_NE(said("render lattice.json").find("\rreading lattice.json, for 0:01"), std::string::npos) << text_of(folder_ / "said.txt");
 }
 
 // --- the same in this process ---
