@@ -254,5 +254,20 @@ TEST_F(EnvironmentFiles, RealMapsAreRead) {
   }
 }
 
+TEST(Environments, KnowHowEvenTheyAre) {
+  const auto evenness = [](const auto& radiance) {
+    std::vector<Vec3> texels;
+    for (int row = 0; row < 64; ++row)
+      for (int column = 0; column < 128; ++column) texels.emplace_back(radiance(row, column));
+    return EnvironmentMap(128, 64, texels).evenness();
+  };
+  EXPECT_NEAR(evenness([](int, int) { return 3.f; }), 1, 1e-5);
+  EXPECT_NEAR(evenness([](int row, int) { return row < 32 ? 2.f : 0.f; }), 0.5, 0.02);
+  EXPECT_NEAR(evenness([](int, int column) { return column < 16 ? 1.f : 0.f; }), 0.125, 0.01);
+  EXPECT_EQ(evenness([](int, int) { return 0.f; }), 1);
+  EXPECT_LT(EnvironmentMap::make(EnvironmentPreset::studio).evenness(), 0.2f);
+  EXPECT_GT(EnvironmentMap::make(EnvironmentPreset::sky).evenness(), 0.6f);
+}
+
 } // namespace
 } // namespace kelpie

@@ -36,6 +36,8 @@ concept Emitter = requires(const T& emitter, const Vec3& p, Vec2 u, const Vec3& 
   { emitter.is_visible() } -> std::same_as<bool>;
   /// Whether rays towards it run side by side where they start side by side: such rays are traced as packets.
   { emitter.is_narrow() } -> std::same_as<bool>;
+  /// Whether it comes so evenly from all around that the scattered rays of a matte surface find it as well as samples of it do.
+  { emitter.is_even() } -> std::same_as<bool>;
 };
 
 } // namespace kelpie

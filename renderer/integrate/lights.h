@@ -36,6 +36,7 @@ public:
   bool is_background() const { return true; }
   bool is_visible() const { return false; }
   bool is_narrow() const { return false; }
+  bool is_even() const;
 
 private:
   /// From the map's frame by `sine`, into it by -`sine`: a turn about +y, from +z towards +x.
@@ -57,6 +58,7 @@ public:
   bool is_background() const { return false; }
   bool is_visible() const { return false; }
   bool is_narrow() const { return true; }
+  bool is_even() const { return false; }
 
 private:
   Vec3 direction_, radiance_;
@@ -108,6 +110,9 @@ public:
   }
   bool is_narrow() const {
     return std::visit([](const auto& e) { return e.is_narrow(); }, emitter_);
+  }
+  bool is_even() const {
+    return std::visit([](const auto& e) { return e.is_even(); }, emitter_);
   }
 
 private:

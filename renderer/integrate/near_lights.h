@@ -14,6 +14,7 @@ public:
   bool is_background() const { return false; }
   bool is_visible() const { return is_visible_; }
   bool is_narrow() const { return false; }
+  bool is_even() const { return false; }
 
 protected:
   template <class Light>
@@ -79,6 +80,7 @@ public:
   bool is_background() const { return false; }
   bool is_visible() const { return false; }
   bool is_narrow() const { return true; }
+  bool is_even() const { return false; }
 
 private:
   Vec3 position_, intensity_;

@@ -45,7 +45,11 @@ struct PathTracer::Vertex {
 
 PathTracer::PathTracer(const Tracer& tracer, const std::vector<Light>& lights, const FrameScene& frame)
     : tracer_(tracer), lights_(lights), background_(frame.film.background), surfaces_(frame, tracer), bounces_(frame.film.bounces) {
-  for (const Light& light : lights_) has_extended_light_ |= !light.is_delta(), has_near_light_ |= !light.is_distant();
+  for (const Light& light : lights_) {
+    if (light.is_even()) for_matte_ = Sought::even;
+    if (!light.is_delta()) for_glossy_ = Sought::all;
+    has_near_light_ |= !light.is_distant();
+  }
 }
 
 void PathTracer::trace(std::span<Path> paths, RayCounters& counters) const {
@@ -108,10 +112,10 @@ PathTracer::Vertex PathTracer::arrive(Path& path, const Hit& hit, int bounce) co
   const SurfaceBsdf bsdf(surface, boundary);
   Vertex vertex(path, hit, path.after_matte ? bsdf.at_least_as_rough_as(k_alpha_after_matte) : bsdf);
   if (bounce == 0) path.result.is_hit = true, path.result.hit = hit, path.result.albedo = vertex.bsdf.albedo();
-  // On a matte surface the samples of lights alone are the best estimate of direct light (their density
-  // follows the radiance, so only the cosine varies): a scattered ray that finds light adds noise. On a
-  // glossy one both are weighed, even on the last vertex: highlights are direct light.
-  path.seeks_light = vertex.bsdf.is_glossy() && has_extended_light_;
+  // On a glossy surface samples of lights and scattered rays are both weighed, even on the last vertex: highlights are direct light. On a
+  // matte one a scattered ray that finds light adds noise to what samples found (their density follows the radiance, so only the cosine
+  // varies), unless the light is about as even as the cosine.
+  path.sought = vertex.bsdf.is_glossy() ? for_glossy_ : for_matte_;
   return vertex;
 }
 
@@ -162,7 +166,7 @@ bool PathTracer::scatter(Vertex& vertex, int bounce, RayCounters& counters) cons
   Path& path = vertex.path;
   path.result.radiance += path.throughput * vertex.direct;
   const bool is_last = bounce >= bounces_;
-  if (is_last && !path.seeks_light) return false;
+  if (is_last && path.sought == Sought::none) return false;
   const Vec3 u = path.sampler.next_triple();
   path.scattered = vertex.bsdf.sample(vertex.out, u.z, Vec2(u.x, u.y));
   if (path.scattered.pdf <= 0) return false;
@@ -208,7 +212,7 @@ void PathTracer::add_direct_light(std::span<Vertex> vertices, int bounce, RayCou
       const Vec3 in = vertex.basis.local_from_world(arrival.direction);
       const Vec3 scattered = vertex.bsdf.evaluate(vertex.out, in) * arrival.radiance;
       if (scattered == Vec3(0)) continue;
-      const bool competes = vertex.path.seeks_light && !arrival.is_delta;
+      const bool competes = vertex.path.seeks(light) && !arrival.is_delta;
       rays[n] = vertex.leave(in, arrival.direction), rays[n].t_far = arrival.distance, takers[n] = &vertex;
       gains[n++] = scattered * ((competes ? mis_weight(arrival.pdf, vertex.bsdf.pdf(vertex.out, in)) : 1.f) / arrival.pdf);
     }
@@ -225,9 +229,9 @@ void PathTracer::add_direct_light(std::span<Vertex> vertices, int bounce, RayCou
 /// lights leave to a scattered ray.
 Vec3 PathTracer::found(const Path& path, float reach, int bounce) const {
   Vec3 sum(0);
-  if (bounce > 0 && !path.seeks_light) return sum;
+  if (bounce > 0 && path.sought == Sought::none) return sum;
   for (const Light& light : lights_) {
-    if (bounce == 0 ? !light.is_visible() : light.is_distant() && reach < k_infinitely_far) continue;
+    if (bounce == 0 ? !light.is_visible() : !path.seeks(light) || (light.is_distant() && reach < k_infinitely_far)) continue;
     const Arrival arrival = light.seen_along(path.start, path.ray.direction);
     if (!(arrival.distance <= reach)) continue;
     sum += arrival.radiance * (bounce == 0 || path.scattered.is_delta ? 1.f : mis_weight(path.scattered.pdf, arrival.pdf));
@@ -242,6 +246,7 @@ Vec3 PathTracer::found_at_last(const Path& path, RayCounters& counters) const {
   ray.t_far = 0; // as far as was looked
   bool is_hidden = false;
   for (const Light& light : lights_) {
+    if (!path.seeks(light)) continue;
     const Arrival arrival = light.seen_along(ray.origin, ray.direction);
     if (arrival.radiance == Vec3(0)) continue;
     if (arrival.distance != ray.t_far) {

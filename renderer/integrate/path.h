@@ -29,6 +29,9 @@ struct PathResult {
   Vec3 albedo{0};
 };
 
+/// Which lights count where a scattered ray finds them; of all others only samples do.
+enum class Sought { none, even, all };
+
 /// A path on its way; at first a camera ray.
 struct Path {
   Path(const Ray& camera_ray, const Sampler& s, const RayCone& c) : ray(camera_ray), cone(c), sampler(s) {}
@@ -37,12 +40,14 @@ struct Path {
   Vec3 start = ray.origin; ///< of the ray, before it passed what cannot be seen
   RayCone cone;            ///< around it
   Sampler sampler;
-  Vec3 throughput{1};       ///< radiance at the camera, of a unit of radiance along `ray`
-  float eta = 1;            ///< refractive index around `ray` over that around the camera
-  BsdfSample scattered;     ///< how `ray` left the last vertex
-  bool seeks_light = false; ///< whether light that `ray` finds counts
-  bool after_matte = false; ///< whether a vertex was matte, or as good as that
+  Vec3 throughput{1};           ///< radiance at the camera, of a unit of radiance along `ray`
+  float eta = 1;                ///< refractive index around `ray` over that around the camera
+  BsdfSample scattered;         ///< how `ray` left the last vertex
+  Sought sought = Sought::none; ///< what counts of the light that `ray` finds
+  bool after_matte = false;     ///< whether a vertex was matte, or as good as that
   PathResult result;
+
+  bool seeks(const Light& light) const { return sought == Sought::all || (sought == Sought::even && light.is_even()); }
 };
 
 /// All that a path needs; constant during a frame.
@@ -76,8 +81,8 @@ private:
   const Background& background_;
   Surfaces surfaces_;
   int bounces_;
-  bool has_extended_light_ = false; ///< one that a scattered ray can find
-  bool has_near_light_ = false;     ///< one that may lie before what a ray meets
+  Sought for_matte_ = Sought::none, for_glossy_ = Sought::none; ///< what scattered rays can find
+  bool has_near_light_ = false;                                 ///< one that may lie before what a ray meets
 };
 
 } // namespace kelpie

@@ -60,6 +60,7 @@ void EnvironmentMap::build_distribution() {
   // The mean of a bilinear function over a texel is a tent of 1/8, 6/8, 1/8 in each direction: what the
   // texel's neighbours shine into it is sampled too.
   std::vector<double> light(w), mean(w), rows(h);
+  double sum = 0, sum_of_squares = 0; // over the sphere
   for (size_t r = 0; r < h; ++r) {
     const size_t above = r > 0 ? r - 1 : 0, below = std::min(r + 1, h - 1);
     for (size_t c = 0; c < w; ++c)
@@ -67,9 +68,11 @@ void EnvironmentMap::build_distribution() {
     for (size_t c = 0; c < w; ++c) mean[c] = 0.75 * light[c] + 0.125 * (light[(c + w - 1) % w] + light[(c + 1) % w]);
     fill(
         mean.data(), width_, [&](int) { return 1.0 / double(w); }, &column_cdf_[r * (w + 1)], &column_guide_[r * w]);
-    for (const double m : mean) rows[r] += m;
-    rows[r] *= double(row_cos_[r]) - double(row_cos_[r + 1]); // the row's solid angle, but for a constant
+    const double solid_angle = double(row_cos_[r]) - double(row_cos_[r + 1]); // but for a constant
+    for (const double m : mean) rows[r] += m, sum_of_squares += m * m * solid_angle;
+    rows[r] *= solid_angle, sum += rows[r];
   }
+  if (sum_of_squares > 0) evenness_ = static_cast<float>(sum * sum / (2 * double(w) * sum_of_squares));
   const auto solid_angle = [&](int r) { return (double(row_cos_[r]) - double(row_cos_[r + 1])) / 2; };
   fill(rows.data(), height_, solid_angle, row_cdf_.data(), row_guide_.data());
 }

@@ -45,6 +45,10 @@ public:
   /// The density, per steradian, with which sample() chooses `direction`.
   float pdf(const Vec3& direction) const;
 
+  /// How evenly the light comes from all around: the squared mean of its luminance over the mean of the square. 1 where it is the same
+  /// everywhere; of equal light from a part of the sphere it is that part.
+  float evenness() const { return evenness_; }
+
   int width() const { return width_; }
   int height() const { return height_; }
   const std::vector<Vec3>& texels() const { return texels_; }
@@ -56,6 +60,7 @@ private:
   float density(int row, int column) const;
 
   int width_ = 0, height_ = 0;
+  float evenness_ = 1;
   std::vector<Vec3> texels_;
   std::vector<float> row_cdf_, column_cdf_; // height + 1; height × (width + 1)
   std::vector<uint16_t> row_guide_, column_guide_;
