@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/atomic_file.h"
+#include "base/float_step.h"
 #include "base/standard_streams.h"
 #include "cli/command.h"
 #include "cli/failure.h"
@@ -73,6 +74,12 @@ FitResult fit_and_report(const std::string& mesh_path, const FitCommandOptions& 
   if (r.spurs > 0)
     diagnostics.warning({mesh_path, 0, 0},
                         fmt::format("the field sticks out by 2 % of the diagonal over {:.2g} % of the mesh", 100 * r.spurs));
+  Box3d box;
+  for (const Blob& b : r.blobs) box.extend(Vec3d(b.centre));
+  if (const double step = float_step_in(box); step > k_coarse_step)
+    diagnostics.warning(
+        {mesh_path, 0, 0},
+        fmt::format("it lies so far from the origin that the places of blobs are rounded to {:.2g} of its size; move it there", step));
   print_warnings(diagnostics);
   print_message(fmt::format(
       "{}: {} blobs, off by {:.3f} % of the diagonal (rms; at most {:.2f} %); {}\n", mesh_path, r.blobs.size(), 100 * r.rms, 100 * r.max,

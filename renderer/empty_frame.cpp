@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/float_step.h"
+
 namespace kelpie {
 
 namespace {
@@ -115,6 +117,18 @@ std::string why_empty(const FrameScene& frame, const Tracer& tracer, const std::
   }
   if (!is_covered) return "shows nothing: " + why_nothing(frame, tracer);
   return is_black ? "is black: " + why_black(frame, lights, image) : "";
+}
+
+std::string why_coarse(const FrameScene& frame, const Tracer& tracer) {
+  Box3d box;
+  for (const Vec3d& corner : corners_of(frame, tracer)) box.extend(corner);
+  const double step = float_step_in(box);
+  if (step <= k_coarse_step) return {};
+  const Vec3d c = box.centre();
+  return fmt::format(
+      "is coarse: its shapes lie so far from the origin, around ({:.4g}, {:.4g}, {:.4g}), that places there are rounded to {:.2g} of "
+      "their size; move shapes and camera towards the origin",
+      c.x, c.y, c.z, step);
 }
 
 } // namespace kelpie

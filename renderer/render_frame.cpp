@@ -97,8 +97,9 @@ RenderedFrame render_frame(const Scene& scene, double number, const PixelBox& wi
   if (pixels.nonfinite > 0)
     context.diagnostics.warning({}, fmt::format("frame {}: {} samples were not finite and are black, one at pixel {},{}", number,
                                                 pixels.nonfinite, pixels.first_nonfinite.x, pixels.first_nonfinite.y));
-  if (const std::string why = why_empty(frame, tracer, lights, pixels.image); !why.empty())
-    context.diagnostics.warning({}, fmt::format("frame {} {}", number, why));
+  std::string flaw = why_empty(frame, tracer, lights, pixels.image);
+  if (flaw.empty()) flaw = why_coarse(frame, tracer);
+  if (!flaw.empty()) context.diagnostics.warning({}, fmt::format("frame {} {}", number, flaw));
   RenderedFrame out;
   out.image = std::move(pixels.image);
   out.camera = frame.camera;

@@ -1,4 +1,4 @@
-// What is said of frames that show nothing, or are black; and that nothing is said of others.
+// What is said of frames that show nothing, are black or coarse; and that nothing is said of others.
 #include <fmt/format.h>
 
 #include "renderer/render_frame.h"
@@ -13,11 +13,11 @@ constexpr std::string_view k_mesh = R"({ "name": "mesh", "geometry": { "kind": "
 
 class EmptyFrames : public testing::Test {
 protected:
-  /// What is said of a small picture of these shapes, seen from [0, 0, 6] towards `look_at` unless `more` says otherwise.
+  /// What is said of a small picture of these shapes, seen from `eye_` towards `look_at` unless `more` says otherwise.
   std::string warning(std::string_view shapes, std::string_view look_at, std::string_view more = "") const {
-    const Scene scene = folder_.read(fmt::format(R"({{ "kelpie": 1, "camera": {{ "position": [0, 0, 6], "look_at": {} }},
+    const Scene scene = folder_.read(fmt::format(R"({{ "kelpie": 1, "camera": {{ "position": {}, "look_at": {} }},
       "film": {{ "resolution": [32, 18], "spp": 4, "bounces": 2 }}, {} "shapes": [ {} ] }})",
-                                                 look_at, more, shapes));
+                                                 eye_, look_at, more, shapes));
     EnvironmentCache environments;
     Diagnostics diagnostics;
     const std::function<void(double)> silent = [](double) {};
@@ -30,6 +30,7 @@ protected:
   }
 
   SceneFolder folder_;
+  std::string eye_ = "[0, 0, 6]";
 };
 
 TEST_F(EmptyFrames, SayWhereEverythingIs) {
@@ -67,6 +68,17 @@ TEST_F(EmptyFrames, SayWhyNoLightComes) {
                               R"({ "name": "b", "field": { "kind": "point", "centre": [0, 0, 0], "radius": 1, "weight": 2 },
                                    "surface": { "kind": "matte", "colour": [0, 0, 0] } })"),
             "frame 1 is black: all surfaces in view are black");
+}
+
+// Float places are 0.06 apart a million units from the origin.
+TEST_F(EmptyFrames, SayWhereFloatNumbersAreTooCoarse) {
+  const auto said_at = [&](int x) {
+    eye_ = fmt::format("[{}, 0, 6]", x);
+    return warning(fmt::format(R"({{ "name": "ball", "field": {{ "kind": "point", "centre": [{}, 0, 0], "radius": 1 }} }})", x),
+                   fmt::format("[{}, 0, 0]", x));
+  };
+  EXPECT_EQ(said_at(500), "");
+  EXPECT_EQ(said_at(1000000).find("frame 1 is coarse: its shapes lie so far from the origin, around (1e+06, "), 0u) << said_at(1000000);
 }
 
 } // namespace
