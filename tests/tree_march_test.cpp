@@ -2,6 +2,7 @@
 #define HWY_COMPILE_ONLY_STATIC
 #include <gtest/gtest.h>
 
+#include "renderer/trace/root_search-inl.h"
 #include "renderer/trace/tree_march-inl.h"
 #include "tests/support/random_kind.h"
 
@@ -36,18 +37,26 @@ struct Answers {
   uint32_t hits, live;
 };
 
-/// As the solvers do it, with the waves of each lane.
+/// The waves of each lane, on a stretch of its own.
+Look look_at(const std::vector<const Waves*>& lanes, V stretch_middle, V stretch_half) {
+  alignas(64) float middle[k_width], half[k_width], g[k_width], left[k_width], right[k_width];
+  hn::Store(stretch_middle, k_lanes, middle), hn::Store(stretch_half, k_lanes, half);
+  for (size_t i = 0; i < k_width; ++i) {
+    const double s = double(middle[i]), h = double(half[i]), above = 0.5 * lanes[i]->bend() * h * h;
+    g[i] = float(lanes[i]->at(s)), left[i] = float(lanes[i]->at(s - h) + above), right[i] = float(lanes[i]->at(s + h) + above);
+  }
+  return {hn::Load(k_lanes, g), {hn::Load(k_lanes, left), hn::Load(k_lanes, right)}};
+}
+
+/// As the solver of packets does it, with the waves of each lane.
 Answers march_along(const std::vector<Waves>& lanes, V enough) {
+  std::vector<const Waves*> pointers;
+  for (const Waves& waves : lanes) pointers.push_back(&waves);
   TreeMarch march(set(k_half), hn::Not(no_lanes()), k_tiny, k_negligible);
   for (int look = 0; look < k_most_looks && !none(march.live()); ++look) {
     const TreeMarch::Stretch stretch = march.next();
-    alignas(64) float middle[k_width], half[k_width], g[k_width], left[k_width], right[k_width];
-    hn::Store(stretch.middle, k_lanes, middle), hn::Store(stretch.half, k_lanes, half);
-    for (size_t i = 0; i < k_width; ++i) {
-      const double s = double(middle[i]), h = double(half[i]), above = 0.5 * lanes[i].bend() * h * h;
-      g[i] = float(lanes[i].at(s)), left[i] = float(lanes[i].at(s - h) + above), right[i] = float(lanes[i].at(s + h) + above);
-    }
-    march.learn(stretch, hn::Load(k_lanes, g), {hn::Load(k_lanes, left), hn::Load(k_lanes, right)}, enough);
+    const Look seen = look_at(pointers, stretch.middle, stretch.half);
+    march.learn(stretch, seen.g, seen.above, enough);
   }
   Answers out{};
   hn::StoreU(march.root(), k_lanes, out.root);
@@ -65,7 +74,7 @@ double first_above(const Waves& waves, double level) {
 }
 
 struct Tally {
-  int hits = 0, clear = 0, missed = 0, false_hits = 0, left = 0;
+  int hits = 0, clear = 0, missed = 0, false_hits = 0, left = 0, stretches = 0;
 };
 
 Tally judge_march(Random& r, bool any) {
@@ -83,6 +92,22 @@ Tally judge_march(Random& r, bool any) {
     tally.missed += first < (is_hit && !any ? root - double(k_tiny) : std::numeric_limits<double>::infinity()) && !(any && is_hit);
     tally.false_hits += is_hit && lanes[i].at(root) < -1e-3;
   }
+  return tally;
+}
+
+/// As the solver of single rays does it: a look has the same waves in all lanes.
+Tally judge_search(Random& r) {
+  const Waves waves(r);
+  Tally tally;
+  const auto look = [&](V middle, V half) {
+    tally.stretches += int(k_width);
+    return look_at(std::vector<const Waves*>(k_width, &waves), middle, half);
+  };
+  float root = std::numeric_limits<float>::infinity();
+  const bool is_hit = RootSearch(look, k_half, {k_tiny, 1e-4f * k_tiny, k_negligible}).run(root);
+  tally.hits = is_hit, tally.clear = !is_hit;
+  tally.missed = first_above(waves, 1e-4) < double(root) - 0.1 * double(k_tiny);
+  tally.false_hits = is_hit && (waves.at(double(root)) < -1e-4 || (root > -k_half && waves.at(double(root)) > 1e-4));
   return tally;
 }
 
@@ -107,6 +132,21 @@ TEST(TreeMarch, FindsTheFirstRoot) {
     EXPECT_GT(clear, 500);
     EXPECT_LT(left, hits / 20) << "lanes that had no answer in time";
   }
+}
+
+TEST(RootSearch, FindsTheFirstRoot) {
+  constexpr int k_trials = 2000;
+  Random r(1);
+  int hits = 0, clear = 0, stretches = 0;
+  for (int trial = 0; trial < k_trials; ++trial) {
+    const auto tally = HWY_STATIC_DISPATCH(judge_search)(r);
+    ASSERT_EQ(tally.missed, 0) << trial;
+    ASSERT_EQ(tally.false_hits, 0) << trial;
+    hits += tally.hits, clear += tally.clear, stretches += tally.stretches;
+  }
+  EXPECT_GT(hits, 500);
+  EXPECT_GT(clear, 500);
+  EXPECT_LT(stretches, 200 * k_trials);
 }
 
 } // namespace

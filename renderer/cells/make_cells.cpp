@@ -14,7 +14,7 @@ TreeView copy(const Tree& tree, CellMemory& memory) {
           memory.copy(tree.spaces),
           memory.copy(tree.leaves).data(),
           tree.leaf_count,
-          tree.is_monotone,
+          tree.traits,
           {memory.copy(tree.solids), memory.copy(tree.parts).data(), memory.copy(tree.edges).data()},
           memory.copy(tree.axes).data()};
 }

@@ -108,7 +108,8 @@ private:
   }
 
   void add_join(const Instruction& step, Join join, uint32_t operands, bool is_subtracted) {
-    out_.is_monotone &= is_monotone(join);
+    TreeTraits& traits = out_.traits;
+    traits.is_monotone &= is_monotone(join), traits.has_subtraction |= subtracts(join), traits.bends_sharply |= bends(join);
     out_.steps.push_back({TreeStep::Kind::join, is_subtracted, join, step.demand, exponent_of(step, join), step.node, operands});
   }
 
@@ -137,7 +138,7 @@ private:
   bool emit_sum(uint32_t position, size_t depth, bool is_subtracted) {
     std::vector<uint32_t> others;
     const auto first = static_cast<uint32_t>(leaves_.size());
-    if (!gather(position, is_subtracted, others)) return false;
+    if (!gather(position, others)) return false;
     const auto leaf_count = static_cast<uint32_t>(leaves_.size()) - first;
     uint32_t count = 0;
     if (leaf_count > 0 || others.empty()) add_operand(TreeStep::Kind::leaves, first, leaf_count, is_subtracted), ++count;
@@ -149,12 +150,12 @@ private:
   }
 
   /// Adds the terms of a sum: leaves to the leaves, anything else to `others`.
-  bool gather(uint32_t position, bool is_subtracted, std::vector<uint32_t>& others) {
+  bool gather(uint32_t position, std::vector<uint32_t>& others) {
     const Instruction& step = code_.steps[position];
     switch (step.kind) {
-    case Instruction::Kind::blobs: return add_blobs(step, is_subtracted);
+    case Instruction::Kind::blobs: return add_blobs(step);
     case Instruction::Kind::skeleton:
-      if (!is_solid(step)) return add_cone_sphere(step, is_subtracted);
+      if (!is_solid(step)) return add_cone_sphere(step);
       break;
     case Instruction::Kind::combine: break;
     }
@@ -163,15 +164,15 @@ private:
       return true;
     }
     for (const uint32_t operand : operands(step))
-      if (!gather(operand, is_subtracted, others)) return false;
+      if (!gather(operand, others)) return false;
     return true;
   }
 
-  bool add_blobs(const Instruction& step, bool is_subtracted) {
+  bool add_blobs(const Instruction& step) {
     for (const uint32_t i : code_.blobs.subspan(step.first, step.count)) {
       const BlobNumbers blob = program_.blob(i);
       const Vec3d at(blob.x, blob.y, blob.z);
-      if (!add(step.space, {at, at, 0, 0}, blob.k, blob.a, blob.b, is_subtracted)) return false;
+      if (!add(step.space, {at, at, 0, 0}, blob.k, blob.a, blob.b)) return false;
     }
     return true;
   }
@@ -193,12 +194,12 @@ private:
            !visit_skeleton(step, [](const auto&, const auto& solid) { return std::is_same_v<decltype(solid), const ConeSphereSolid&>; });
   }
 
-  bool add_cone_sphere(const Instruction& step, bool is_subtracted) {
+  bool add_cone_sphere(const Instruction& step) {
     return visit_skeleton(step, [&](const auto& kind, const auto& solid) {
       if constexpr (std::is_same_v<decltype(solid), const ConeSphereSolid&>) {
         const FalloffPolynomial f = polynomial(kind.falloff);
         const double weight = kind.weight;
-        return add(step.space, solid, 1 / square(double(kind.radius)), weight * f.a, weight * f.b, is_subtracted);
+        return add(step.space, solid, 1 / square(double(kind.radius)), weight * f.a, weight * f.b);
       }
       return false;
     });
@@ -225,7 +226,6 @@ private:
         },
         program_.field.nodes[step.node]);
     if (!is_known) return false;
-    leaf.sign = leaf.potential.is_positive() != is_subtracted ? 1.f : -1.f;
     leaf.slot = base.slot, leaf.drift = static_cast<float>(base.turning * stretch(local_from_base.linear));
     leaf.bending = static_cast<float>(base.bending * stretch(local_from_base.linear));
     leaf.node = step.node, leaf.space = step.space;
@@ -381,7 +381,7 @@ private:
     return std::sqrt(off < 1e-9 * trace ? trace / 3 : trace);
   }
 
-  bool add(uint32_t space_index, const ConeSphereSolid& solid, double k, double a, double b, bool is_subtracted) {
+  bool add(uint32_t space_index, const ConeSphereSolid& solid, double k, double a, double b) {
     Base base;
     Affine local_from_base;
     if (!find_base(space_index, base, local_from_base)) return false;
@@ -406,7 +406,6 @@ private:
     leaf[leaf_slope] = static_cast<float>(slope);
     leaf[leaf_k] = static_cast<float>(k), leaf[leaf_a] = static_cast<float>(a), leaf[leaf_b] = static_cast<float>(b),
     leaf[leaf_crest] = crest(a, b);
-    leaf[leaf_sign] = (a + b < 0) == is_subtracted ? 1.f : -1.f;
     leaf[leaf_space] = static_cast<float>(base.slot), leaf[leaf_drift] = static_cast<float>(base.turning * stretch(linear));
     leaf[leaf_bending] = static_cast<float>(base.bending * stretch(linear));
     return true;

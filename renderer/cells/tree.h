@@ -18,12 +18,10 @@ struct Tree {
   std::vector<SolidPart> parts;
   std::vector<SolidEdge> edges;
   std::vector<LaneAxis> axes;
-  bool is_monotone = true;
+  TreeTraits traits;
   uint32_t leaf_count = 0; ///< with padding
 
-  TreeView view() const {
-    return {steps, spaces, leaves.data(), leaf_count, is_monotone, {solids, parts.data(), edges.data()}, axes.data()};
-  }
+  TreeView view() const { return {steps, spaces, leaves.data(), leaf_count, traits, {solids, parts.data(), edges.data()}, axes.data()}; }
 };
 
 /// Where warps turn rays more than this within a cell (at kinks and tears, mostly), bounds by tangents are loose: it is no tree.

@@ -259,19 +259,7 @@ inline V solid_potential(const SolidLeaf& leaf, V distance) {
   return bump.at(bump.closeness(distance));
 }
 
-/// As Range's add_leaf, but for one solid.
-inline Range solid_range(const Solids& solids, const SolidLeaf& leaf, bool wants_low, bool wants_high, const V3& place, const V3& velocity,
-                         V h) {
-  const bool is_positive = leaf.potential.is_positive();
-  const bool wants_nearest = is_positive ? wants_high : wants_low, wants_farthest = is_positive ? wants_low : wants_high;
-  const SolidRange d = SolidView(solids, leaf).range(place, velocity, h, wants_farthest);
-  Range r{solid_potential(leaf, d.distance), hn::Zero(k_lanes), hn::Zero(k_lanes)};
-  if (wants_nearest) (is_positive ? r.high : r.low) = solid_potential(leaf, d.near.least());
-  if (wants_farthest) (is_positive ? r.low : r.high) = solid_potential(leaf, d.far.most());
-  return r;
-}
-
-/// As Slope's add_leaf, but for one solid.
+/// As add_leaf, but for one solid.
 inline Slope solid_slope(const Solids& solids, const SolidLeaf& leaf, bool wants_low, const V3& place, const V3& velocity, V h) {
   const SolidPotential& potential = leaf.potential;
   const bool is_positive = potential.is_positive();

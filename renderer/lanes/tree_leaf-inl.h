@@ -103,18 +103,6 @@ inline Line most_distances(const Leaf& leaf, const V3& p, const V3& v, V drift, 
 }
 
 /// Adds a leaf at a place with a velocity, and its bounds on the stretch h either way, to a sum.
-HWY_INLINE void add_leaf(const Leaf& leaf, bool is_positive, bool wants_low, bool wants_high, const V3& place, const V3& velocity, V drift,
-                         V h, Range& sum) {
-  const Offset offset(leaf, place);
-  sum.value = hn::Add(sum.value, leaf.potential(square_of_positive(offset.distance())));
-  const bool wants_nearest = is_positive ? wants_high : wants_low, wants_farthest = is_positive ? wants_low : wants_high;
-  V &with_nearest = is_positive ? sum.high : sum.low, &with_farthest = is_positive ? sum.low : sum.high;
-  if (wants_nearest) with_nearest = hn::Add(with_nearest, leaf.potential(square_of_positive(offset.least(velocity, drift, h))));
-  if (wants_farthest)
-    with_farthest = hn::Add(with_farthest, leaf.potential(square_of_positive(most_distances(leaf, place, velocity, drift, h).most())));
-}
-
-/// Adds a leaf at a place with a velocity, and its bounds on the stretch h either way, to a sum.
 HWY_INLINE void add_leaf(const Leaf& leaf, bool is_positive, bool wants_low, const V3& place, const V3& velocity, V drift, V h,
                          Slope& sum) {
   const Offset offset(leaf, place);

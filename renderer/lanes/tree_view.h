@@ -90,7 +90,6 @@ enum LeafRow : uint32_t {
   leaf_a,
   leaf_b,
   leaf_crest,   ///< the q, up to 1, where the potential bends down most (tree_leaf-inl.h)
-  leaf_sign,    ///< 1 where the field rises with nearness to the leaf, -1 where it falls
   leaf_space,   ///< 0: the world; i + 1: TreeView::spaces[i]
   leaf_drift,   ///< within the cell, from its tangent at a place h away a ray parts by no more than this times h…
   leaf_bending, ///< …and this times the square of h
@@ -138,7 +137,7 @@ struct SolidLeaf {
   uint32_t first_part, part_count; ///< into Solids::parts
   float growth;                    ///< the solid is all that is nearer than this
   SolidPotential potential;
-  float sign, drift, bending;               ///< as leaf_sign, leaf_drift, leaf_bending
+  float drift, bending;                     ///< as leaf_drift, leaf_bending
   uint32_t slot;                            ///< as leaf_space
   float end_x, end_y;                       ///< of an arc: its end, on the side y >= 0 of the frame
   float past_end_x, past_end_y, past_end_0; ///< of an arc: a place is past its end where past_end_x x + past_end_y |y| + past_end_0 > 0
@@ -152,13 +151,22 @@ struct Solids {
   const SolidEdge* edges;
 };
 
+/// What holds for the joins of a tree.
+struct TreeTraits {
+  bool is_monotone = true; ///< each rises with each operand, or falls with each that it subtracts
+  bool has_subtraction = false;
+  bool bends_sharply = false; ///< some may bend on the surface, so that a secant misses its root
+  /// Whether bounds from above depend on bounds of operands from below.
+  bool wants_low() const { return !is_monotone || has_subtraction; }
+};
+
 /// A tree in a cell: row r of leaf i is leaves[r * leaf_count + i].
 struct TreeView {
   std::span<const TreeStep> steps;
   std::span<const TreeSpace> spaces;
   const float* leaves;
   size_t leaf_count; ///< with padding: leaves that are 0 everywhere
-  bool is_monotone;  ///< all its joins are
+  TreeTraits traits;
   Solids solids;
   const LaneAxis* axes; ///< of its warps
 

@@ -84,17 +84,11 @@ public:
     }
     hit = march.hit(), unsure = march.live();
     const V root = march.root();
-    if (bends_sharply()) verify(enough, root, hit, unsure);
+    if (tree_.traits.bends_sharply) verify(enough, root, hit, unsure);
     t = hn::Max(hn::Add(middle, root), segments.entry);
   }
 
 private:
-  /// Whether the field may bend sharply on the surface, so that a secant misses its root.
-  bool bends_sharply() const {
-    return std::any_of(tree_.steps.begin(), tree_.steps.end(),
-                       [](const TreeStep& step) { return step.kind == TreeStep::Kind::join && bends(step.join); });
-  }
-
   /// Lanes whose root is none become unsure. Up to `enough` any place inside was good enough, and so it is where the segment begins.
   void verify(V enough, V root, M& hit, M& unsure) {
     live_ = hn::And(hit, hn::Gt(root, enough));
@@ -284,7 +278,7 @@ private:
   }
 
   /// Of leaves that lie below a subtraction, or anywhere in a tree that is not monotone.
-  bool wants_low(bool is_subtracted) const { return !tree_.is_monotone || is_subtracted; }
+  bool wants_low(bool is_subtracted) const { return !tree_.traits.is_monotone || is_subtracted; }
 
   void add(uint32_t j, bool is_subtracted, V s, V h, Slope& sum) const {
     const uint32_t i = lanes_.leaves[j];
@@ -303,12 +297,8 @@ private:
     add_leaf(Leaf::all(tree_, i), tree_.is_positive(i), wants_low(is_subtracted), place, velocity, drift_within(row, h), h, sum);
   }
 
-  bool needs_low() const {
-    return !tree_.is_monotone || std::any_of(tree_.steps.begin(), tree_.steps.end(), [](const TreeStep& s) { return s.is_subtracted; });
-  }
-
   TreeView tree_;
-  bool wants_low_ = needs_low();
+  bool wants_low_ = tree_.traits.wants_low();
   WarpedRay curves_;
   float threshold_, tiny_;
   V half_;
