@@ -1,5 +1,7 @@
 #include "field/warps/axial_map.h"
 
+#include <optional>
+
 #include "field/warps/axis_tube.h"
 
 namespace kelpie {
@@ -142,100 +144,134 @@ bool AxialMap::torn_images(const Box3d& box, std::vector<Box3d>& images) const {
   return bound(box, hull, &images);
 }
 
-/// Into `out`, for all points at once; whether the map may jump, and then, one by one, what it may jump between.
-bool AxialMap::bound(const Box3d& box, Point3<Range>& out, std::vector<Box3d>* images) const {
-  const auto variable = [&](int i) { return Range::variable({box.lower[i], box.upper[i]}, i); };
-  const Point3<Range> p{variable(0), variable(1), variable(2)};
-  std::vector<Offer<Range>> offers;
-  AxisOffer<Interval> offer;
-  for (const AxisTube& tube : tubes_)
-    if (tube.offer(box, offer)) offers.emplace_back(offer);
+/// What the tubes offer to the points of a box, and where that takes all of them: each way is asked for in turn, and answers only if it
+/// is sure to be right for all.
+class AxialMap::BoxOffers {
+public:
+  using Image = std::optional<Point3<Range>>;
 
-  Interval shares(0.0);
-  for (const Offer<Range>& o : offers) shares = shares + o.share.value;
-  const bool stays_out = shares.lo >= 1; // what stays has no share anywhere in the box
-  const Offer<Range>* deepest = nullptr;
-  for (const Offer<Range>& o : offers)
-    if (!deepest || o.depth.value.lo > deepest->depth.value.lo) deepest = &o;
-  bool may_be_gone = false, is_gone = false;
-  // In the outer half of borders, what was there at rest counts.
-  const bool is_owned = deepest && deepest->share.value.lo >= 0.5;
-  if (!is_owned)
-    for (const AxisTube& tube : tubes_) {
-      const AxisTube::Moved moved = tube.moved(box);
-      may_be_gone = may_be_gone || moved.some, is_gone = is_gone || moved.all;
+  BoxOffers(const AxialMap& map, const Box3d& box) : p_{variable(box, 0), variable(box, 1), variable(box, 2)}, nowhere_(map.nowhere_) {
+    AxisOffer<Interval> offer;
+    for (const AxisTube& tube : map.tubes_)
+      if (tube.offer(box, offer)) offers_.emplace_back(offer);
+    for (const Offer<Range>& o : offers_) {
+      shares_ = shares_ + o.share.value;
+      least_limit_ = std::min(least_limit_, o.limit.value.lo), most_limit_ = std::max(most_limit_, o.limit.value.hi);
+      if (!deepest_ || o.depth.value.lo > deepest_->depth.value.lo) deepest_ = &o;
     }
+    stays_out_ = shares_.lo >= 1;
+    is_owned_ = deepest_ && deepest_->share.value.lo >= 0.5;
+    if (is_owned_) return;
+    for (const AxisTube& tube : map.tubes_) {
+      const AxisTube::Moved moved = tube.moved(box);
+      may_be_gone_ = may_be_gone_ || moved.some, is_gone_ = is_gone_ || moved.all;
+    }
+  }
 
-  const auto moved = [&](const Point3<Range>& by) { return Point3<Range>{p.x + by.x, p.y + by.y, p.z + by.z}; };
-  const Point3<Range> stay{}, nowhere{Range(nowhere_), Range(0.0), Range(0.0)};
-  const auto apart = [](const Point3<Range>& a, const Point3<Range>& b) { return sqrt(squared_distance(a, b).value); };
-
-  // All agree, or only one has a share.
-  double least_limit = INFINITY;
-  for (const Offer<Range>& o : offers) least_limit = std::min(least_limit, o.limit.value.lo);
-  const auto agrees_with_stay = [&](const Offer<Range>& o) { return apart(o.by, stay).hi <= 0.5 * least_limit; };
-  bool all_agree = !may_be_gone && (stays_out || std::all_of(offers.begin(), offers.end(), agrees_with_stay));
-  for (size_t i = 0; i < offers.size() && all_agree; ++i)
-    for (size_t j = 0; j < i && all_agree; ++j) all_agree = apart(offers[i].by, offers[j].by).hi <= 0.5 * least_limit;
-  if (all_agree) {
-    if (offers.empty()) return out = p, false;
-    if (offers.size() == 1 && stays_out) return out = moved(offers[0].by), false;
+  /// All offers agree with each other and with what stays, or only one has a share.
+  Image joined() const {
+    if (!all_agree()) return {};
+    if (offers_.empty()) return p_;
+    if (offers_.size() == 1 && stays_out_) return moved(offers_[0].by);
     Point3<Range> by{};
     Range sum(0.0);
-    for (const Offer<Range>& o : offers) {
+    for (const Offer<Range>& o : offers_) {
       by = {by.x + o.share * o.by.x, by.y + o.share * o.by.y, by.z + o.share * o.by.z};
       sum = sum + o.share;
     }
-    if (shares.hi <= 1) return out = moved(by), false;
+    if (shares_.hi <= 1) return moved(by);
     const Range all = max(Range(1.0), sum);
-    return out = moved({by.x / all, by.y / all, by.z / all}), false;
+    return moved({by.x / all, by.y / all, by.z / all});
   }
 
-  // One has all: the others disagree with it for sure.
-  if (is_owned) {
+  /// The deepest has all: the others disagree with it.
+  Image owned() const {
+    if (!is_owned_) return {};
+    const auto has_no_share = [&](const Offer<Range>& o) { return &o == deepest_ || o.share.value.hi <= 0; };
     const auto yields = [&](const Offer<Range>& o) {
-      if (&o == deepest || o.share.value.hi <= 0) return true;
-      return o.depth.value.hi < deepest->depth.value.lo && apart(o.by, deepest->by).lo >= min(o.limit.value, deepest->limit.value).hi;
+      return has_no_share(o) ||
+             (o.depth.value.hi < deepest_->depth.value.lo && apart(o.by, deepest_->by).lo >= min(o.limit.value, deepest_->limit.value).hi);
     };
-    if (std::all_of(offers.begin(), offers.end(), yields)) {
-      const Interval from_stay = apart(deepest->by, stay);
-      if (stays_out || from_stay.lo >= deepest->limit.value.hi) return out = moved(deepest->by), false;
-      const bool is_alone =
-          std::all_of(offers.begin(), offers.end(), [&](const auto& o) { return &o == deepest || o.share.value.hi <= 0; });
-      if (is_alone && from_stay.lo > 0) { // what stays has less of a share the less it agrees
-        const Range agreed = smooth_step(clamp(Range(2.0) - 2.0 * sqrt(squared_distance(deepest->by, stay)) / deepest->limit, 0, 1));
-        const Range& share = deepest->share;
-        const Range part = within(share / (share + (Range(1.0) - share) * agreed), {share.value.lo, 1});
-        return out = moved({part * deepest->by.x, part * deepest->by.y, part * deepest->by.z}), false;
-      }
-    }
-  }
-  const auto leaves = [&](const Offer<Range>& o) {
-    return o.share.value.hi <= 0 || (o.share.value.hi < 0.5 && apart(o.by, stay).lo >= o.limit.value.hi);
-  };
-  if (std::all_of(offers.begin(), offers.end(), leaves)) {
-    if (is_gone) return out = moved(nowhere), false;
-    if (!may_be_gone) return out = p, false;
+    if (!std::all_of(offers_.begin(), offers_.end(), yields)) return {};
+    const Interval from_stay = apart(deepest_->by, k_stay);
+    if (stays_out_ || from_stay.lo >= deepest_->limit.value.hi) return moved(deepest_->by);
+    if (!(from_stay.lo > 0) || !std::all_of(offers_.begin(), offers_.end(), has_no_share)) return {};
+    // What stays has less of a share the less it agrees.
+    const Range agreed = smooth_step(clamp(Range(2.0) - 2.0 * sqrt(squared_distance(deepest_->by, k_stay)) / deepest_->limit, 0, 1));
+    const Range& share = deepest_->share;
+    const Range part = within(share / (share + (Range(1.0) - share) * agreed), {share.value.lo, 1});
+    return moved({part * deepest_->by.x, part * deepest_->by.y, part * deepest_->by.z});
   }
 
-  // Anything between what is offered; one by one, no farther from what is chosen than it agrees with others.
-  const bool may_stay = !(stays_out && is_owned);
-  double most_limit = 0;
-  for (const Offer<Range>& o : offers) most_limit = std::max(most_limit, o.limit.value.hi);
-  if (images) {
-    if (may_stay && !is_gone) images->push_back(box.padded(most_limit));
-    for (const Offer<Range>& o : offers) {
+  /// No offer is taken: what was there at rest counts, which stays or has been moved away.
+  Image unmoved() const {
+    const auto is_refused = [&](const Offer<Range>& o) {
+      return o.share.value.hi <= 0 || (o.share.value.hi < 0.5 && apart(o.by, k_stay).lo >= o.limit.value.hi);
+    };
+    if (!std::all_of(offers_.begin(), offers_.end(), is_refused)) return {};
+    if (is_gone_) return moved(nowhere());
+    return may_be_gone_ ? Image{} : p_;
+  }
+
+  /// Anything between what is offered, with a jump.
+  Point3<Range> hull() const {
+    Point3<Range> by = may_stay() ? k_stay : offers_[0].by;
+    const auto add = [&](const Point3<Range>& b) { by = {either(by.x, b.x), either(by.y, b.y), either(by.z, b.z)}; };
+    for (const Offer<Range>& o : offers_) add(o.by);
+    if (may_be_gone_ || is_gone_) add(nowhere());
+    Point3<Range> out = moved(by);
+    for (Range* r : {&out.x, &out.y, &out.z}) r->d.fill(k_jump);
+    return out;
+  }
+
+  /// The same one by one, no farther from what is chosen than it agrees with others.
+  void add_images(const Box3d& box, std::vector<Box3d>& images) const {
+    if (may_stay() && !is_gone_) images.push_back(box.padded(most_limit_));
+    for (const Offer<Range>& o : offers_) {
       if (o.share.value.hi < 0.5) continue;
       const Point3<Range> q = moved(o.by);
-      images->push_back(Box3d{{q.x.value.lo, q.y.value.lo, q.z.value.lo}, {q.x.value.hi, q.y.value.hi, q.z.value.hi}}.padded(most_limit));
+      images.push_back(Box3d{{q.x.value.lo, q.y.value.lo, q.z.value.lo}, {q.x.value.hi, q.y.value.hi, q.z.value.hi}}.padded(most_limit_));
     }
   }
-  Point3<Range> by = may_stay ? stay : offers[0].by;
-  const auto add = [&](const Point3<Range>& b) { by = {either(by.x, b.x), either(by.y, b.y), either(by.z, b.z)}; };
-  for (const Offer<Range>& o : offers) add(o.by);
-  if (may_be_gone || is_gone) add(nowhere);
-  out = moved(by);
-  for (Range* r : {&out.x, &out.y, &out.z}) r->d.fill(k_jump);
+
+private:
+  static Range variable(const Box3d& box, int i) { return Range::variable({box.lower[i], box.upper[i]}, i); }
+  static Interval apart(const Point3<Range>& a, const Point3<Range>& b) { return sqrt(squared_distance(a, b).value); }
+  Point3<Range> moved(const Point3<Range>& by) const { return {p_.x + by.x, p_.y + by.y, p_.z + by.z}; }
+  Point3<Range> nowhere() const { return {Range(nowhere_), Range(0.0), Range(0.0)}; }
+  bool may_stay() const { return !(stays_out_ && is_owned_); }
+
+  bool all_agree() const {
+    const auto agree = [&](const Point3<Range>& a, const Point3<Range>& b) { return apart(a, b).hi <= 0.5 * least_limit_; };
+    if (may_be_gone_) return false;
+    for (size_t i = 0; i < offers_.size(); ++i) {
+      if (!stays_out_ && !agree(offers_[i].by, k_stay)) return false;
+      for (size_t j = 0; j < i; ++j)
+        if (!agree(offers_[i].by, offers_[j].by)) return false;
+    }
+    return true;
+  }
+
+  inline static const Point3<Range> k_stay{};
+
+  Point3<Range> p_;
+  double nowhere_;
+  std::vector<Offer<Range>> offers_;
+  const Offer<Range>* deepest_ = nullptr; ///< for sure the deepest, if it has all
+  Interval shares_{0.0};                  ///< the sum of all
+  double least_limit_ = INFINITY, most_limit_ = 0;
+  bool stays_out_ = false;                     ///< what stays has no share anywhere in the box
+  bool is_owned_ = false;                      ///< an axis has the points: in the outer half of borders, what was there at rest counts
+  bool may_be_gone_ = false, is_gone_ = false; ///< whether what was there at rest has been moved away: some of it, all of it
+};
+
+/// Into `out`, for all points at once; whether the map may jump, and then, one by one, what it may jump between.
+bool AxialMap::bound(const Box3d& box, Point3<Range>& out, std::vector<Box3d>* images) const {
+  const BoxOffers offers(*this, box);
+  for (const auto way : {&BoxOffers::joined, &BoxOffers::owned, &BoxOffers::unmoved})
+    if (const BoxOffers::Image image = (offers.*way)()) return out = *image, false;
+  if (images) offers.add_images(box, *images);
+  out = offers.hull();
   return true;
 }
 

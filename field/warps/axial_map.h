@@ -42,6 +42,7 @@ public:
 private:
   template <class Real>
   struct Offer;
+  class BoxOffers;
   template <class Real>
   void collect(const Vec3d& p, std::vector<Offer<Real>>&) const;
   template <class Real>
