@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "field/mesh/curved.h"
 #include "field/mesh/triangle_tree.h"
 #include "renderer/program/evaluate.h"
 #include "tests/support/random_scene.h"
@@ -124,7 +125,7 @@ Mesh globe(int rows, const Vec3d& centre, int first_row = 0) {
     }
   for (int i = first_row; i < rows; ++i)
     for (int j = 0; j < columns; ++j) {
-      const auto at = [&](int y, int x) { return uint32_t(y * columns + x % columns); };
+      const auto at = [&](int y, int x) { return uint32_t(y * columns + (y == 0 || y == rows ? 0 : x % columns)); };
       if (i > 0) mesh.triangles.push_back({at(i, j), at(i, j + 1), at(i + 1, j)});
       if (i + 1 < rows) mesh.triangles.push_back({at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)});
     }
@@ -174,6 +175,35 @@ TEST(MeshDistances, AreNearTheMeshsOwn) {
   EXPECT_EQ(grid.at(point({3, -1, 2})).value, -grid.band());
   EXPECT_EQ(grid.at(point({3, 1, 2})).value, grid.band());
   EXPECT_EQ(grid.at(point({30, 1, 2})).value, grid.band());
+}
+
+// Facets of 12 degrees are one smooth surface, whose normals are those of the ball; a cube keeps its edges.
+TEST(MeshDistances, AreSmoothUpToACrease) {
+  const auto worst_normal = [](const Mesh& mesh) {
+    const DistanceGrid grid = make_distance_grid(mesh, 2.0 / 64, 4 * 2.0 / 64);
+    Random r(5);
+    double most = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const Vec3d out = r.direction();
+      const GridValue<double> at = grid.at(point(out));
+      most = std::max(
+          most, glm::degrees(std::acos(std::min(1.0, glm::dot(out, glm::normalize(Vec3d(at.slopes[0], at.slopes[1], at.slopes[2])))))));
+    }
+    return most;
+  };
+  const Mesh ball = globe(15, Vec3d(0)), curved = curved_mesh(ball, 30, 0.05, "ball");
+  EXPECT_TRUE(is_closed(curved));
+  EXPECT_GT(worst_normal(ball), 5);
+  EXPECT_LT(worst_normal(curved), 1.5);
+  EXPECT_GT(worst_normal(curved_mesh(ball, 5, 0.05, "ball")), 5); // all its edges are sharper
+
+  Mesh cube;
+  for (int i = 0; i < 8; ++i) cube.positions.push_back({i & 4 ? 1 : -1, i & 2 ? 1 : -1, i & 1 ? 1 : -1});
+  const uint32_t sides[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
+  for (const auto& s : sides) cube.triangles.push_back({s[0], s[1], s[2]}), cube.triangles.push_back({s[0], s[2], s[3]});
+  const Mesh same = curved_mesh(cube, 40, 0.3, "cube");
+  EXPECT_TRUE(is_closed(same));
+  EXPECT_NEAR(std::abs(signed_volume(same)), 8, 1e-9);
 }
 
 /// The largest jump of a grid between neighbouring places, across all borders of bricks and voxels that lines happen on.

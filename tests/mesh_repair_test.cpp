@@ -96,7 +96,7 @@ Mesh mend(const Part& p, const MeshOptions& options = {}, std::string* said = nu
 /// Of an sdf_mesh; negative inside.
 double distance(const Part& p, const Vec3d& at) {
   const Mesh mesh = mend(p, {0, false});
-  const double voxel = bounding_box(mesh).extent().x / 20;
+  const double voxel = bounding_box(mesh).extent().x / 40;
   const Vec3d q = at;
   return make_distance_grid(mesh, voxel, 4 * voxel).at(Point3<double>{q.x, q.y, q.z}).value;
 }

@@ -1,4 +1,3 @@
-// The only includer of OpenSubdiv.
 #include "field/complex/subdivision_mesh.h"
 
 #include <algorithm>

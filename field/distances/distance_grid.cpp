@@ -1,5 +1,6 @@
 #include "field/distances/distance_grid.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -22,7 +23,81 @@ void extend(GridValue<Interval>& out, const GridValue<Interval>& by) {
   for (size_t i = 0; i < 3; ++i) out.slopes[i] = hull(out.slopes[i], by.slopes[i]);
 }
 
-double lerp(double a, double b, double t) { return a + (b - a) * t; }
+/// The cubic B-spline's weights of the four samples around a place t in [0, 1] of a voxel, and their derivatives by t.
+struct Weights {
+  std::array<double, 4> value, slope;
+  explicit Weights(double t)
+      : value{cube(1 - t) / 6, (4 + t * t * (3 * t - 6)) / 6, (1 + t * (3 + t * (3 - 3 * t))) / 6, cube(t) / 6},
+        slope{-0.5 * (1 - t) * (1 - t), 0.5 * t * (3 * t - 4), 0.5 * (1 + t * (2 - 3 * t)), 0.5 * t * t} {}
+
+private:
+  static double cube(double x) { return x * x * x; }
+};
+
+/// Four numbers at once, in the vector units that every machine of the kind has (of GCC and clang).
+using Four [[gnu::vector_size(16)]] = float;
+
+Four load(const float* numbers) {
+  Four f;
+  std::memcpy(&f, numbers, sizeof f);
+  return f;
+}
+
+/// The least and the largest of many rows of 4 * Groups numbers, each place of a row for itself.
+template <int Groups>
+class Extremes {
+public:
+  Extremes() {
+    constexpr float k_infinite = std::numeric_limits<float>::infinity();
+    least_.fill(Four{k_infinite, k_infinite, k_infinite, k_infinite}), most_.fill(-least_[0]);
+  }
+  void take(const float* row) {
+    for (size_t g = 0; g < Groups; ++g) take(g, load(row + 4 * g));
+  }
+  void take_rise(const float* from, const float* to) {
+    for (size_t g = 0; g < Groups; ++g) take(g, load(to + 4 * g) - load(from + 4 * g));
+  }
+  Interval of_first(int count) const {
+    Interval range{least_[0][0], most_[0][0]};
+    for (int i = 1; i < count; ++i) range = hull(range, Interval{least_[size_t(i / 4)][i % 4], most_[size_t(i / 4)][i % 4]});
+    return range;
+  }
+
+private:
+  void take(size_t g, Four x) { least_[g] = x < least_[g] ? x : least_[g], most_[g] = x > most_[g] ? x : most_[g]; }
+  std::array<Four, Groups> least_, most_;
+};
+
+/// Rounding, as a share of the band: of differences of samples, which are floats.
+constexpr double k_rounding = 1e-7;
+
+/// Numbers after the last brick, so that a row may be read somewhat beyond its end.
+constexpr size_t k_padding = 32;
+
+/// Boxes of more voxels than this are bounded by the samples alone.
+constexpr size_t k_few_voxels = 27;
+
+/// Of count[0] x count[1] x count[2] samples, count[0] up to 4 * Groups, in rows of a brick.
+template <int Groups>
+GridValue<Interval> range_of(const float* first, int side, const std::array<int, 3>& count, double voxel, double band) {
+  Extremes<Groups> values, by_x, by_y, by_z;
+  for (int z = 0; z < count[2]; ++z)
+    for (int y = 0; y < count[1]; ++y) {
+      const float* const row = first + (z * side + y) * side;
+      values.take(row);
+      by_x.take_rise(row, row + 1);
+      if (y + 1 < count[1]) by_y.take_rise(row, row + side);
+      if (z + 1 < count[2]) by_z.take_rise(row, row + side * side);
+    }
+  GridValue<Interval> range;
+  range.value = values.of_first(count[0]);
+  const double slack = range.value.lo < range.value.hi ? k_rounding * band : 0;
+  const auto widened = [&](const Interval& i) { return Interval{i.lo - slack, i.hi + slack}; };
+  range.slopes = {widened(by_x.of_first(count[0] - 1)), widened(by_y.of_first(count[0])), widened(by_z.of_first(count[0]))};
+  for (Interval& slope : range.slopes) slope = {slope.lo / voxel, slope.hi / voxel};
+  range.value = widened(range.value);
+  return range;
+}
 
 } // namespace
 
@@ -38,87 +113,126 @@ DistanceGrid::DistanceGrid(const Box3d& box, double voxel, double band, const Di
   fill(distance);
 }
 
-/// Every sample of a brick, cut off at the band. Bricks that share samples make the same numbers of them.
-std::vector<float> DistanceGrid::sample(const Place& brick, const Distance& distance) const {
-  std::vector<float> out(k_volume);
-  size_t i = 0;
-  for (int z = 0; z < k_side; ++z)
-    for (int y = 0; y < k_side; ++y)
-      for (int x = 0; x < k_side; ++x) {
+/// The samples of a brick's own voxels, cut off at the band, on a way that leads from neighbour to neighbour.
+std::vector<float> DistanceGrid::sample_brick(const Place& brick, Distance distance) const {
+  std::vector<float> out(k_own);
+  int x = 0, y = 0, step_x = 1, step_y = 1;
+  for (int z = 0; z < k_cells; ++z) {
+    for (int row = 0; row < k_cells; ++row) {
+      for (int column = 0; column < k_cells; ++column) {
         const Place at{brick[0] * k_cells + x, brick[1] * k_cells + y, brick[2] * k_cells + z};
-        bool is_border = false;
-        for (size_t axis = 0; axis < 3; ++axis) is_border = is_border || at[axis] == 0 || at[axis] == count_[axis] * k_cells;
+        bool is_border = false; // what the box's faces depend on
+        for (size_t axis = 0; axis < 3; ++axis) is_border = is_border || at[axis] <= 1 || at[axis] == count_[axis] * k_cells - 1;
         const double d = is_border ? band_ : distance(box_.lower + voxel_ * Vec3d(at[0], at[1], at[2]), band_);
-        out[i++] = static_cast<float>(std::clamp(d, -band_, band_));
+        out[size_t((z * k_cells + y) * k_cells + x)] = static_cast<float>(std::clamp(d, -band_, band_));
+        if (column + 1 < k_cells) x += step_x;
       }
+      step_x = -step_x;
+      if (row + 1 < k_cells) y += step_y;
+    }
+    step_y = -step_y;
+  }
   return out;
 }
 
 void DistanceGrid::fill(const Distance& distance) {
   const size_t total = size_t(count_[0]) * size_t(count_[1]) * size_t(count_[2]);
   bricks_.resize(total);
-  std::vector<std::vector<float>> samples(total);
-  const double reach = 0.5 * std::sqrt(3.0) * k_cells * voxel_ + band_;
+  OwnSamples samples(total);
+  // Where the nearest surface is so far away, all samples on which the brick depends are band or -band.
+  const double reach = 0.5 * std::sqrt(3.0) * (k_cells + 2) * voxel_ + band_;
   parallel_for(size_t(0), total, [&](size_t i) {
     const Place b = place(i);
-    const double d = distance(box_.lower + voxel_ * k_cells * (Vec3d(b[0], b[1], b[2]) + 0.5), reach);
+    const double d = Distance(distance)(box_.lower + voxel_ * k_cells * (Vec3d(b[0], b[1], b[2]) + 0.5), reach);
     if (std::abs(d) >= reach * (1 - 1e-9))
       bricks_[i].range.value = d > 0 ? band_ : -band_;
     else
-      samples[i] = sample(b, distance);
+      samples[i] = sample_brick(b, distance);
   });
   // What is constant must go on as its neighbours do. Distances need not: across holes of a mesh their sign changes far from it.
   for (;;) {
     const std::vector<Place> torn = torn_bricks(samples);
     if (torn.empty()) break;
-    parallel_for(size_t(0), torn.size(), [&](size_t i) { samples[index(torn[i])] = sample(torn[i], distance); });
+    parallel_for(size_t(0), torn.size(), [&](size_t i) { samples[index(torn[i])] = sample_brick(torn[i], distance); });
   }
-  for (size_t i = 0; i < total; ++i)
-    if (!samples[i].empty()) {
-      bricks_[i].first = samples_.size();
-      samples_.insert(samples_.end(), samples[i].begin(), samples[i].end());
-      samples[i] = {};
-    }
+  keep(samples);
   find_ranges();
 }
 
 /// The constant bricks that differ from a neighbour, or from what is outside the box.
-std::vector<DistanceGrid::Place> DistanceGrid::torn_bricks(const std::vector<std::vector<float>>& samples) const {
+std::vector<DistanceGrid::Place> DistanceGrid::torn_bricks(const OwnSamples& samples) const {
   std::vector<Place> torn;
-  for (int z = 0; z < count_[2]; ++z)
-    for (int y = 0; y < count_[1]; ++y)
-      for (int x = 0; x < count_[0]; ++x) {
-        const Place at{x, y, z};
-        if (!samples[index(at)].empty()) continue;
-        const auto value = static_cast<float>(bricks_[index(at)].range.value.lo);
-        bool is_torn = false;
-        for (size_t axis = 0; axis < 3; ++axis)
-          for (const int side : {-1, 1}) {
-            Place other = at;
-            other[axis] += side;
-            if (other[axis] < 0 || other[axis] >= count_[axis]) {
-              is_torn = is_torn || value < 0;
-              continue;
-            }
-            const std::vector<float>& s = samples[index(other)];
-            if (s.empty()) {
-              is_torn = is_torn || static_cast<float>(bricks_[index(other)].range.value.lo) != value;
-              continue;
-            }
-            const size_t strides[] = {1, k_side, size_t(k_side) * k_side};
-            const size_t u = strides[(axis + 1) % 3], v = strides[(axis + 2) % 3], start = side < 0 ? strides[axis] * k_cells : 0;
-            for (size_t i = 0; i < k_side; ++i)
-              for (size_t j = 0; j < k_side; ++j) is_torn = is_torn || s[start + i * u + j * v] != value;
-          }
-        if (is_torn) torn.push_back(at);
-      }
+  for (size_t i = 0; i < samples.size(); ++i)
+    if (samples[i].empty() && is_torn(place(i), samples)) torn.push_back(place(i));
   return torn;
+}
+
+/// Whether a constant brick depends on a neighbour's sample of another value.
+bool DistanceGrid::is_torn(const Place& brick, const OwnSamples& samples) const {
+  const auto value = static_cast<float>(bricks_[index(brick)].range.value.lo);
+  const auto first_of = [](int side) { return side < 0 ? k_cells - 1 : 0; };
+  const auto last_of = [](int side) { return side > 0 ? 1 : k_cells - 1; };
+  for (int side = 0; side < 27; ++side) {
+    const Place by{side % 3 - 1, side / 3 % 3 - 1, side / 9 - 1};
+    Place other = brick;
+    bool is_outside = false;
+    for (size_t i = 0; i < 3; ++i) other[i] += by[i], is_outside = is_outside || other[i] < 0 || other[i] >= count_[i];
+    if (is_outside) {
+      if (value < 0) return true;
+      continue;
+    }
+    const std::vector<float>& s = samples[index(other)];
+    if (s.empty()) {
+      if (static_cast<float>(bricks_[index(other)].range.value.lo) != value) return true;
+      continue;
+    }
+    for (int z = first_of(by[2]); z <= last_of(by[2]); ++z)
+      for (int y = first_of(by[1]); y <= last_of(by[1]); ++y)
+        for (int x = first_of(by[0]); x <= last_of(by[0]); ++x)
+          if (s[size_t((z * k_cells + y) * k_cells + x)] != value) return true;
+  }
+  return false;
+}
+
+float DistanceGrid::own_sample(const Place& place, const OwnSamples& samples) const {
+  Place brick, local;
+  for (size_t i = 0; i < 3; ++i) {
+    if (place[i] < 0 || place[i] >= count_[i] * k_cells) return static_cast<float>(band_);
+    brick[i] = place[i] / k_cells, local[i] = place[i] % k_cells;
+  }
+  const std::vector<float>& s = samples[index(brick)];
+  if (s.empty()) return static_cast<float>(bricks_[index(brick)].range.value.lo);
+  return s[size_t((local[2] * k_cells + local[1]) * k_cells + local[0])];
+}
+
+/// Lays the bricks out, each with what it needs of its neighbours.
+void DistanceGrid::keep(const OwnSamples& samples) {
+  std::vector<size_t> sampled;
+  for (size_t i = 0; i < samples.size(); ++i)
+    if (!samples[i].empty()) bricks_[i].first = k_volume * sampled.size(), sampled.push_back(i);
+  samples_.resize(k_volume * sampled.size() + k_padding);
+  parallel_for(size_t(0), sampled.size(), [&](size_t i) {
+    const Place brick = place(sampled[i]);
+    float* out = samples_.data() + k_volume * i;
+    for (int z = -1; z < k_side - 1; ++z)
+      for (int y = -1; y < k_side - 1; ++y)
+        for (int x = -1; x < k_side - 1; ++x)
+          *out++ = own_sample({brick[0] * k_cells + x, brick[1] * k_cells + y, brick[2] * k_cells + z}, samples);
+  });
+}
+
+double DistanceGrid::sample(const Place& at) const {
+  Place brick;
+  for (size_t i = 0; i < 3; ++i) brick[i] = at[i] / k_cells;
+  const Brick& b = bricks_[index(brick)];
+  constexpr size_t k_one_of_each = (size_t(k_side) + 1) * k_side + 1;
+  return b.first == Brick::k_none ? b.range.value.lo : double(samples_around(at, b)[k_one_of_each]);
 }
 
 std::string DistanceGrid::to_bytes() const {
   std::string rest;
   for (const Brick& b : bricks_) rest += b.first != Brick::k_none ? '*' : b.range.value.lo > 0 ? '+' : '-';
-  rest.append(reinterpret_cast<const char*>(samples_.data()), samples_.size() * sizeof(float));
+  rest.append(reinterpret_cast<const char*>(samples_.data()), (samples_.size() - k_padding) * sizeof(float));
   Header header;
   header.box = {box_.lower.x, box_.lower.y, box_.lower.z, box_.upper.x, box_.upper.y, box_.upper.z};
   header.voxel = voxel_, header.band = band_, header.count = {count_[0], count_[1], count_[2], 0};
@@ -152,7 +266,7 @@ std::optional<DistanceGrid> DistanceGrid::from_bytes(std::string_view bytes) {
   }
   bytes.remove_prefix(total);
   if (bytes.size() != sampled * k_volume * sizeof(float)) return {};
-  grid.samples_.resize(sampled * k_volume);
+  grid.samples_.resize(sampled * k_volume + k_padding);
   if (sampled > 0) std::memcpy(grid.samples_.data(), bytes.data(), bytes.size());
   grid.find_ranges();
   return grid;
@@ -160,95 +274,64 @@ std::optional<DistanceGrid> DistanceGrid::from_bytes(std::string_view bytes) {
 
 /// What the samples of each brick range over.
 void DistanceGrid::find_ranges() {
-  for (size_t i = 0; i < bricks_.size(); ++i)
-    if (bricks_[i].first != Brick::k_none) {
-      bricks_[i].range = k_nothing;
-      extend_by_samples(place(i), {0, 0, 0}, {k_cells - 1, k_cells - 1, k_cells - 1}, bricks_[i].range);
-    }
+  parallel_for(size_t(0), bricks_.size(), [&](size_t i) {
+    if (bricks_[i].first == Brick::k_none) return;
+    GridValue<Interval> range = k_nothing;
+    extend_by_voxels(place(i), {0, 0, 0}, {k_cells - 1, k_cells - 1, k_cells - 1}, range);
+    bricks_[i].range = range;
+  });
 }
 
-DistanceGrid::Corners DistanceGrid::corners(const Place& voxel) const {
-  Place brick, local;
-  for (size_t i = 0; i < 3; ++i) brick[i] = voxel[i] / k_cells, local[i] = voxel[i] % k_cells;
-  const Brick& b = bricks_[index(brick)];
-  Corners c;
-  if (b.first == Brick::k_none) {
-    c.fill(b.range.value.lo);
-    return c;
-  }
-  const float* s = samples_.data() + b.first + (size_t(local[2]) * k_side + size_t(local[1])) * k_side + size_t(local[0]);
-  for (size_t i = 0; i < 8; ++i) c[i] = s[(i & 1) + (i >> 1 & 1) * k_side + (i >> 2) * k_side * k_side];
-  return c;
+/// The first of the 4 x 4 x 4 samples on which a voxel of a sampled brick depends.
+const float* DistanceGrid::samples_around(const Place& voxel, const Brick& brick) const {
+  const auto local = [&](size_t axis) { return size_t(voxel[axis] % k_cells); };
+  return samples_.data() + brick.first + (local(2) * k_side + local(1)) * k_side + local(0);
 }
 
 GridValue<double> DistanceGrid::at(const Point3<double>& p) const {
   if (!box_.contains(Vec3d(p.x, p.y, p.z))) return {band_, {0, 0, 0}};
   const Vec3d u = (Vec3d(p.x, p.y, p.z) - box_.lower) / voxel_;
-  Place voxel;
-  Vec3d t;
+  Place voxel, brick;
   for (int i = 0; i < 3; ++i) {
-    voxel[size_t(i)] = std::min(static_cast<int>(u[i]), count_[size_t(i)] * k_cells - 1);
-    t[i] = u[i] - voxel[size_t(i)];
+    const auto axis = size_t(i);
+    voxel[axis] = std::min(static_cast<int>(u[i]), count_[axis] * k_cells - 1), brick[axis] = voxel[axis] / k_cells;
   }
-  const Corners c = corners(voxel);
-  const auto along_x = [&](size_t i) { return lerp(c[i], c[i + 1], t.x); };
-  const auto along_y = [&](size_t i) { return lerp(c[i], c[i + 2], t.y); };
-  const double y0 = along_x(0), y1 = along_x(2), y2 = along_x(4), y3 = along_x(6);
-  const double z0 = lerp(y0, y1, t.y), z1 = lerp(y2, y3, t.y);
-  const double by_x = lerp(along_y(1) - along_y(0), along_y(5) - along_y(4), t.z);
-  const double by_y = lerp(y1 - y0, y3 - y2, t.z), by_z = z1 - z0;
-  return {lerp(z0, z1, t.z), {by_x / voxel_, by_y / voxel_, by_z / voxel_}};
+  const Brick& b = bricks_[index(brick)];
+  if (b.first == Brick::k_none) return {b.range.value.lo, {0, 0, 0}};
+  const float* const s = samples_around(voxel, b);
+  const Weights x(u.x - voxel[0]), y(u.y - voxel[1]), z(u.z - voxel[2]);
+  const double first = s[0]; // only differences are weighted, so that what is constant stays so to the last bit
+  GridValue<double> sum{0, {0, 0, 0}};
+  for (size_t k = 0; k < 4; ++k)
+    for (size_t j = 0; j < 4; ++j) {
+      const float* const row = s + (k * k_side + j) * k_side;
+      double value = 0, slope = 0;
+      for (size_t i = 0; i < 4; ++i) value += x.value[i] * (row[i] - first), slope += x.slope[i] * (row[i] - first);
+      sum.value += z.value[k] * y.value[j] * value;
+      sum.slopes[0] += z.value[k] * y.value[j] * slope;
+      sum.slopes[1] += z.value[k] * y.slope[j] * value;
+      sum.slopes[2] += z.slope[k] * y.value[j] * value;
+    }
+  for (double& slope : sum.slopes) slope /= voxel_;
+  return {first + sum.value, sum.slopes};
 }
 
-/// `place`: within the voxel, from 0 to 1. What is linear in each coordinate has its extremes at the corners.
-void DistanceGrid::extend_by_voxel(const Place& voxel, const std::array<Interval, 3>& place, GridValue<Interval>& out) const {
-  const Corners c = corners(voxel);
-  const auto end = [&](size_t axis, size_t which) { return which ? place[axis].hi : place[axis].lo; };
-  for (size_t i = 0; i < 8; ++i) {
-    const double x = end(0, i & 1), y = end(1, i >> 1 & 1), z = end(2, i >> 2);
-    const double value = lerp(lerp(lerp(c[0], c[1], x), lerp(c[2], c[3], x), y), lerp(lerp(c[4], c[5], x), lerp(c[6], c[7], x), y), z);
-    const double by_x = lerp(lerp(c[1] - c[0], c[3] - c[2], y), lerp(c[5] - c[4], c[7] - c[6], y), z);
-    const double by_y = lerp(lerp(c[2] - c[0], c[3] - c[1], x), lerp(c[6] - c[4], c[7] - c[5], x), z);
-    const double by_z = lerp(lerp(c[4] - c[0], c[5] - c[1], x), lerp(c[6] - c[2], c[7] - c[3], x), y);
-    extend(out, {value, {Interval{by_x / voxel_}, Interval{by_y / voxel_}, Interval{by_z / voxel_}}});
-  }
-}
-
-/// The voxels `from` to `to` of a brick.
-void DistanceGrid::extend_by_samples(const Place& brick, const Place& from, const Place& to, GridValue<Interval>& out) const {
+/// The voxels `from` to `to` of a brick, by the samples on which they depend: a B-spline lies between its coefficients, and its slopes
+/// between their differences.
+void DistanceGrid::extend_by_voxels(const Place& brick, const Place& from, const Place& to, GridValue<Interval>& out) const {
   const Brick& b = bricks_[index(brick)];
   if (b.first == Brick::k_none) return extend(out, b.range);
-  const float* s = samples_.data() + b.first;
-  const size_t strides[] = {1, k_side, size_t(k_side) * k_side};
-  float least = std::numeric_limits<float>::infinity(), most = -least;
-  std::array<float, 3> slope_least{least, least, least}, slope_most{most, most, most};
-  for (int z = from[2]; z <= to[2] + 1; ++z)
-    for (int y = from[1]; y <= to[1] + 1; ++y)
-      for (int x = from[0]; x <= to[0] + 1; ++x) {
-        const float* at = s + size_t(x) + size_t(y) * strides[1] + size_t(z) * strides[2];
-        least = std::min(least, *at), most = std::max(most, *at);
-        const Place place{x, y, z};
-        for (size_t axis = 0; axis < 3; ++axis) {
-          if (place[axis] > to[axis]) continue;
-          const float rise = at[strides[axis]] - *at;
-          slope_least[axis] = std::min(slope_least[axis], rise), slope_most[axis] = std::max(slope_most[axis], rise);
-        }
-      }
-  GridValue<Interval> range;
-  range.value = {least, most};
-  constexpr double k_rounding = 1e-7; // differences of floats
-  for (size_t axis = 0; axis < 3; ++axis) {
-    const double slack = k_rounding * band_;
-    range.slopes[axis] = {(slope_least[axis] - slack) / voxel_, (slope_most[axis] + slack) / voxel_};
-  }
-  extend(out, range);
+  const float* const first = samples_.data() + b.first + (from[2] * k_side + from[1]) * k_side + from[0];
+  const Place count{to[0] - from[0] + 4, to[1] - from[1] + 4, to[2] - from[2] + 4};
+  extend(out, count[0] <= 4   ? range_of<1>(first, k_side, count, voxel_, band_)
+              : count[0] <= 8 ? range_of<2>(first, k_side, count, voxel_, band_)
+                              : range_of<3>(first, k_side, count, voxel_, band_));
 }
 
 GridValue<Interval> DistanceGrid::at(const Point3<Interval>& p) const {
   const std::array<Interval, 3> in{p.x, p.y, p.z};
   GridValue<Interval> out = k_nothing;
   Place from, to;
-  std::array<Interval, 3> u;
   bool is_within = true;
   size_t voxels = 1;
   const GridValue<Interval> outside{band_, {Interval{0.0}, Interval{0.0}, Interval{0.0}}};
@@ -257,22 +340,11 @@ GridValue<Interval> DistanceGrid::at(const Point3<Interval>& p) const {
     if (!(in[axis].lo <= box_.upper[i] && in[axis].hi >= box_.lower[i])) return outside;
     is_within = is_within && in[axis].lo >= box_.lower[i] && in[axis].hi <= box_.upper[i];
     const int last = count_[axis] * k_cells - 1;
-    u[axis] = (intersect(in[axis], Interval{box_.lower[i], box_.upper[i]}) - Interval{box_.lower[i]}) * (1 / voxel_);
-    from[axis] = std::clamp(static_cast<int>(u[axis].lo), 0, last), to[axis] = std::clamp(static_cast<int>(u[axis].hi), 0, last);
+    const Interval u = (intersect(in[axis], Interval{box_.lower[i], box_.upper[i]}) - Interval{box_.lower[i]}) * (1 / voxel_);
+    from[axis] = std::clamp(static_cast<int>(u.lo), 0, last), to[axis] = std::clamp(static_cast<int>(u.hi), 0, last);
     voxels *= size_t(to[axis] - from[axis] + 1);
   }
   if (!is_within) extend(out, outside);
-  if (voxels <= 8) {
-    Place at;
-    for (at[2] = from[2]; at[2] <= to[2]; ++at[2])
-      for (at[1] = from[1]; at[1] <= to[1]; ++at[1])
-        for (at[0] = from[0]; at[0] <= to[0]; ++at[0]) {
-          std::array<Interval, 3> place;
-          for (size_t i = 0; i < 3; ++i) place[i] = {std::clamp(u[i].lo - at[i], 0.0, 1.0), std::clamp(u[i].hi - at[i], 0.0, 1.0)};
-          extend_by_voxel(at, place, out);
-        }
-    return out;
-  }
   Place brick;
   for (brick[2] = from[2] / k_cells; brick[2] <= to[2] / k_cells; ++brick[2])
     for (brick[1] = from[1] / k_cells; brick[1] <= to[1] / k_cells; ++brick[1])
@@ -286,9 +358,20 @@ GridValue<Interval> DistanceGrid::at(const Point3<Interval>& p) const {
         if (is_whole)
           extend(out, bricks_[index(brick)].range);
         else
-          extend_by_samples(brick, first, last, out);
+          extend_by_voxels(brick, first, last, out);
       }
+  if (is_within && voxels <= k_few_voxels && out.value.lo < out.value.hi) out.value = intersect(out.value, mean_value(p, out.slopes));
   return out;
+}
+
+/// From the centre of a box, along its slopes.
+Interval DistanceGrid::mean_value(const Point3<Interval>& box, const std::array<Interval, 3>& slopes) const {
+  const std::array<Interval, 3> in{box.x, box.y, box.z};
+  double away = k_rounding * band_;
+  for (size_t i = 0; i < 3; ++i) away += 0.5 * in[i].width() * slopes[i].magnitude();
+  const auto middle = [](const Interval& i) { return 0.5 * (i.lo + i.hi); };
+  const double value = at(Point3<double>{middle(box.x), middle(box.y), middle(box.z)}).value;
+  return {value - away, value + away};
 }
 
 } // namespace kelpie

@@ -1,8 +1,9 @@
 // Signed distances on a lattice, in bricks near the surface.
 //
-// The distance that a grid yields is the trilinear interpolation of its samples: that function, and no other, is what is
-// bounded and rendered, so bounds are exact whatever the mesh is like. It is continuous; `band` away from the surface it is the
-// constant band, or -band. How far it is from a mesh's own distance is measured in tests/distance_test.cpp.
+// The distance that a grid yields is the cubic B-spline of its samples: that function, and no other, is what is bounded and rendered, so
+// bounds are exact whatever the mesh is like. It is twice continuously differentiable, so that mirrors show no voxels; `band` away from the
+// surface it is the constant band, or -band. A B-spline does not pass through its samples: it is smoother than they are, by less than a
+// voxel. How far it is from a mesh's own distance is measured in tests/distance_test.cpp.
 #pragma once
 
 #include <array>
@@ -26,7 +27,8 @@ struct GridValue {
 
 class DistanceGrid {
 public:
-  /// A signed distance at a place; of what is farther than `most` only the sign matters, and that it is at least that far.
+  /// A signed distance at a place; of what is farther than `most` only the sign matters, and that it is at least that far. Each brick
+  /// asks a copy of it, from place to neighbouring place: it may remember the last one.
   using Distance = std::function<double(const Vec3d& p, double most)>;
 
   /// Samples `distance` at the corners of the voxels of a box, which is grown to whole bricks and by one voxel. At its border all is
@@ -38,20 +40,25 @@ public:
   /// Nothing if it is not what to_bytes() made.
   static std::optional<DistanceGrid> from_bytes(std::string_view);
 
-  /// Where voxels meet, the slopes are those of one of them.
   GridValue<double> at(const Point3<double>& p) const;
-  /// Over a box: exact over up to eight voxels, then as the samples are.
+  /// Over a box: as the samples around it range; values over a few voxels by the slopes, too.
   GridValue<Interval> at(const Point3<Interval>& p) const;
 
   /// Outside, everything is `band`.
   const Box3d& box() const { return box_; }
   double voxel() const { return voxel_; }
   double band() const { return band_; }
+  /// How many samples there are along each axis, the first one at the box's lower corner, and one of them: a coefficient of the spline.
+  /// Beyond them all are `band`.
+  std::array<int, 3> sample_count() const { return {count_[0] * k_cells, count_[1] * k_cells, count_[2] * k_cells}; }
+  double sample(const std::array<int, 3>& place) const;
   size_t bytes() const { return samples_.size() * sizeof(float) + bricks_.size() * sizeof(Brick); }
 
 private:
-  static constexpr int k_cells = 8, k_side = k_cells + 1; ///< voxels and samples of a brick along each axis
-  static constexpr size_t k_volume = size_t(k_side) * k_side * k_side;
+  /// Voxels of a brick along each axis, and samples: those of its own, and what the spline needs of its neighbours' (one before, two
+  /// after).
+  static constexpr int k_cells = 8, k_side = k_cells + 3;
+  static constexpr size_t k_volume = size_t(k_side) * k_side * k_side, k_own = size_t(k_cells) * k_cells * k_cells;
 
   using Place = std::array<int, 3>;
   struct Brick {
@@ -61,37 +68,40 @@ private:
   };
   /// The shape of a grid, as it is written.
   struct Header {
-    std::array<char, 8> magic{'k', 'e', 'l', 'p', 's', 'd', 'f', '1'};
+    std::array<char, 8> magic{'k', 'e', 'l', 'p', 's', 'd', 'f', '2'};
     std::array<double, 6> box{};
     double voxel = 0, band = 0;
     std::array<int32_t, 4> count{};
     uint64_t hash = 0; ///< of all that follows
   };
-  /// The eight corners of a voxel: x, then y, then z.
-  using Corners = std::array<double, 8>;
+  /// The samples of each brick's own voxels; of one that is constant none.
+  using OwnSamples = std::vector<std::vector<float>>;
 
   DistanceGrid() = default;
   Place place(size_t index) const {
     const auto nx = size_t(count_[0]), ny = size_t(count_[1]);
     return {int(index % nx), int(index / nx % ny), int(index / nx / ny)};
   }
-  std::vector<float> sample(const Place& brick, const Distance&) const;
+  std::vector<float> sample_brick(const Place& brick, Distance) const;
   void fill(const Distance&);
+  void keep(const OwnSamples&);
   void find_ranges();
-  std::vector<Place> torn_bricks(const std::vector<std::vector<float>>& samples) const;
+  std::vector<Place> torn_bricks(const OwnSamples&) const;
+  bool is_torn(const Place& brick, const OwnSamples&) const;
+  float own_sample(const Place& place, const OwnSamples&) const;
 
   size_t index(const Place& brick) const {
     return (size_t(brick[2]) * size_t(count_[1]) + size_t(brick[1])) * size_t(count_[0]) + size_t(brick[0]);
   }
-  Corners corners(const Place& voxel) const;
-  void extend_by_voxel(const Place& voxel, const std::array<Interval, 3>& place, GridValue<Interval>& out) const;
-  void extend_by_samples(const Place& brick, const Place& from, const Place& to, GridValue<Interval>& out) const;
+  const float* samples_around(const Place& voxel, const Brick&) const;
+  void extend_by_voxels(const Place& brick, const Place& from, const Place& to, GridValue<Interval>& out) const;
+  Interval mean_value(const Point3<Interval>& box, const std::array<Interval, 3>& slopes) const;
 
   Box3d box_;
   double voxel_ = 1, band_ = 1;
   Place count_{}; ///< of bricks
   std::vector<Brick> bricks_;
-  std::vector<float> samples_; ///< bricks of k_volume: x, then y, then z; in scene units
+  std::vector<float> samples_; ///< bricks of k_volume, from one before the brick on: x, then y, then z; in scene units
 };
 
 } // namespace kelpie

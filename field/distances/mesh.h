@@ -11,9 +11,10 @@ namespace kelpie {
 
 /// How a mesh is sampled.
 struct MeshSampling {
-  double voxel = 0; ///< the size of voxels; 0: a 128th of the mesh's longest side
-  double reach = 0; ///< how far the field is asked to reach at least; 0: as it comes
-  double weld = 0;  ///< as in MeshOptions
+  double voxel = 0;  ///< the size of voxels; 0: a 128th of the mesh's longest side
+  double reach = 0;  ///< how far the field is asked to reach at least; 0: as it comes
+  double weld = 0;   ///< as in MeshOptions
+  double crease = 0; ///< facets that meet at less are smooth (curved_mesh); 0: all stay
   auto operator<=>(const MeshSampling&) const = default;
 };
 
@@ -34,14 +35,15 @@ struct SdfMesh : DistanceField<SdfMesh<Mode>> {
 OBJ, PLY, OFF or STL, in its own units; `scale`, `rotate` and `translate` place it. Inside is where the mesh winds around a place by
 more than a half (the generalised winding number), so it need not be closed: over holes the surface is what would close them best.
 Seams whose vertices differ by rounding are welded. A closed part that faces inward is turned, with what lies in it; open ones are not.
-The distance is sampled on a lattice and interpolated linearly between its places: details smaller than a voxel are lost, and edges
-are rounded by about half of one. With a voxel of a 200th of the mesh's size or less, facets do not show on matte surfaces. The
-first time takes seconds. With another falloff it is a soft skeleton. Source: methods.md section 2; Jacobson, Kavan and
+The distance is sampled on a lattice and is smooth between its places (a cubic B-spline): no voxels show in mirrors, details smaller than
+two of them are lost, and edges are rounded by about one. Facets show as they are, unless `crease` says up to which angle they are
+meant to be smooth. The first time takes seconds. With another falloff it is a soft skeleton. Source: methods.md section 2; Jacobson, Kavan and
 Sorkine-Hornung 2013, Barill et al. 2018 (winding numbers).)";
 
   typename Mode::File file;
   double voxel = 0;
   double weld = 0;
+  double crease = 0;
   Value<Mode, float> radius{0.f};
   Value<Mode, float> weight{1.f};
   DistanceFalloff falloff = DistanceFalloff::distance;
@@ -55,6 +57,11 @@ Sorkine-Hornung 2013, Barill et al. 2018 (winding numbers).)";
             .in(Unit::length)
             .at_least(0),
         parameter("weld", &SdfMesh::weld, k_weld_doc).in(Unit::length).at_least(0),
+        parameter("crease", &SdfMesh::crease,
+                  "triangles that meet at less than this are one smooth surface, which bulges as their mean normals say; 0: facets stay")
+            .in(Unit::degrees)
+            .at_least(0)
+            .at_most(180),
         parameter("radius", &SdfMesh::radius, "how far from the surface the field reaches; 0: four voxels").in(Unit::length).at_least(0),
         parameter("weight", &SdfMesh::weight, k_distance_weight_doc),
         parameter("falloff", &SdfMesh::falloff, k_distance_falloff_doc),

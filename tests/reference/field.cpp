@@ -147,26 +147,30 @@ double signed_distance_to_rod(const Leaf& leaf, Vec p) {
   return std::max(out, above) <= 0 ? std::max(out, above) : std::hypot(std::max(0.0, out), std::max(0.0, above));
 }
 
-/// Linear along each axis.
+/// What a sample `away` steps from a place, along an axis, counts there: the uniform cubic B-spline, by its two pieces.
+double spline_weight(double away) {
+  const double x = std::abs(away);
+  if (x < 1) return 2.0 / 3 - x * x + x * x * x / 2;
+  return x < 2 ? (2 - x) * (2 - x) * (2 - x) / 6 : 0;
+}
+/// The sum of all samples near, each by its weight; beyond the table, as far as its first value.
 double interpolated(const Leaf& leaf, Vec p) {
   const Table& table = *leaf.table;
   const Vec q = (p - leaf.a) * (1 / table.step);
   const double u[] = {q.x, q.y, q.z};
-  int cell[3];
+  int near[3];
   for (int i = 0; i < 3; ++i) {
-    if (!(u[i] >= 0 && u[i] <= table.count[i] - 1)) return table.values[0];
-    cell[i] = std::min(int(std::floor(u[i])), table.count[i] - 2);
+    if (!(u[i] >= 0 && u[i] <= table.count[i])) return table.values[0];
+    near[i] = int(std::floor(u[i]));
   }
   double sum = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    double weight = 1;
-    int at[3];
-    for (int i = 0; i < 3; ++i) {
-      const bool is_upper = corner >> i & 1;
-      at[i] = cell[i] + is_upper, weight *= is_upper ? u[i] - cell[i] : 1 - (u[i] - cell[i]);
-    }
-    sum += weight * table.values[size_t((at[2] * table.count[1] + at[1]) * table.count[0] + at[0])];
-  }
+  for (int z = near[2] - 1; z <= near[2] + 2; ++z)
+    for (int y = near[1] - 1; y <= near[1] + 2; ++y)
+      for (int x = near[0] - 1; x <= near[0] + 2; ++x) {
+        const bool is_in = x >= 0 && y >= 0 && z >= 0 && x < table.count[0] && y < table.count[1] && z < table.count[2];
+        const double value = table.values[is_in ? size_t((z * table.count[1] + y) * table.count[0] + x) : 0];
+        sum += spline_weight(u[0] - x) * spline_weight(u[1] - y) * spline_weight(u[2] - z) * value;
+      }
   return sum;
 }
 

@@ -16,7 +16,7 @@ enum class Falloff {
   distance ///< linear, in thresholds, from 2 inside the solid to 0 outside
 };
 
-/// Values at the places of a lattice: x, then y, then z.
+/// The coefficients of a cubic B-spline at the places of a lattice: x, then y, then z.
 struct Table {
   double step = 1;
   std::array<int, 3> count{};
@@ -41,7 +41,7 @@ struct Leaf {
     block,   ///< the box, less than `size` by r on all sides, and all within r of it
     rod,     ///< the cylinder of radius r from a to b
     below,   ///< all that lies below the plane through a, perpendicular to `normal`
-    table,   ///< interpolated in `table`, a is its first place; beyond it, as far as its first value
+    table,   ///< the spline of `table`, a is its first place; beyond it, as far as its first value
   };
   Vec a, b;
   double radius = 1, weight = 1;

@@ -179,13 +179,10 @@ inline reference::Leaf reference_of(const SdfMesh<SampledMode>& k) {
   if (!table) {
     auto made = std::make_shared<reference::Table>();
     made->step = k.grid->voxel();
-    for (int i = 0; i < 3; ++i) made->count[size_t(i)] = int(std::lround(box.extent()[i] / made->step)) + 1;
+    made->count = k.grid->sample_count();
     for (int z = 0; z < made->count[2]; ++z)
       for (int y = 0; y < made->count[1]; ++y)
-        for (int x = 0; x < made->count[0]; ++x) {
-          const Vec3d p = box.lower + made->step * Vec3d(x, y, z);
-          made->values.push_back(k.grid->at(Point3<double>{p.x, p.y, p.z}).value);
-        }
+        for (int x = 0; x < made->count[0]; ++x) made->values.push_back(k.grid->sample({x, y, z}));
     table = made;
   }
   const float reach = k.radius > 0 ? std::min(k.radius, float(k.grid->band())) : float(k.grid->band());
