@@ -19,6 +19,7 @@ void add_render(CLI::App&);
 void add_schema(CLI::App&);
 void add_sheet(CLI::App&);
 void add_swatches(CLI::App&);
+void add_report(CLI::App&);
 void add_view(CLI::App&);
 
 /// Prints `warning: …` lines to stderr.
