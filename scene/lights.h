@@ -9,12 +9,14 @@
 namespace kelpie {
 
 /// Environments that need no file.
-enum class EnvironmentPreset { studio, sky, white };
+enum class EnvironmentPreset { studio, cyclorama, sky, white };
 
 template <>
 struct EnumNames<EnvironmentPreset> {
-  static constexpr std::array<std::pair<std::string_view, EnvironmentPreset>, 3> values{
-      {{"studio", EnvironmentPreset::studio}, {"sky", EnvironmentPreset::sky}, {"white", EnvironmentPreset::white}}};
+  static constexpr std::array<std::pair<std::string_view, EnvironmentPreset>, 4> values{{{"studio", EnvironmentPreset::studio},
+                                                                                         {"cyclorama", EnvironmentPreset::cyclorama},
+                                                                                         {"sky", EnvironmentPreset::sky},
+                                                                                         {"white", EnvironmentPreset::white}}};
 };
 
 template <class Mode>
@@ -22,7 +24,9 @@ struct EnvironmentLight {
   static constexpr std::string_view k_name = "environment";
   static constexpr std::string_view k_doc = R"(Light from all around: a latitude-longitude map from a Radiance HDR or EXR file, or a preset.
 
-Presets: `studio` (soft boxes in a dark room, made for metal), `sky` (a clear sky over a horizon), `white` (the same from everywhere).
+Presets: `studio` (soft boxes in a dark room, made for metal), `cyclorama` (large soft boxes around a slate backdrop, which lies in the
+direction -z: a floor of `matte` with the colour [0.15, 0.165, 0.19], lit by nothing else, runs into it without a seam), `sky` (a clear
+sky over a horizon), `white` (the same from everywhere).
 The middle of the map lies in the direction -z, its top is +y.)";
 
   AssetPath file;

@@ -146,7 +146,8 @@ TEST(EnvironmentMap, ExtremeNumbersStayInside) {
 }
 
 TEST(EnvironmentPresets, AreFiniteAndUseful) {
-  for (const EnvironmentPreset preset : {EnvironmentPreset::studio, EnvironmentPreset::sky, EnvironmentPreset::white}) {
+  for (const auto& [name, preset] : EnumNames<EnvironmentPreset>::values) {
+    SCOPED_TRACE(name);
     const EnvironmentMap map = EnvironmentMap::make(preset);
     for (const Vec3& t : map.texels())
       for (int c = 0; c < 3; ++c) ASSERT_TRUE(t[c] >= 0 && t[c] < 20);
@@ -156,6 +157,19 @@ TEST(EnvironmentPresets, AreFiniteAndUseful) {
     EXPECT_LT(mean, 2);
   }
   EXPECT_NEAR(EnvironmentMap::make(EnvironmentPreset::white).pdf({0.6f, 0, 0.8f}), 1 / (4 * k_pi), 1e-5);
+}
+
+// Floor and backdrop are one sweep: what a matte floor sends back is what is seen just above the horizon, to both sides of -z.
+TEST(EnvironmentPresets, TheFloorOfTheCycloramaRunsIntoItsBackdrop) {
+  const EnvironmentMap map = EnvironmentMap::make(EnvironmentPreset::cyclorama);
+  const Vec3d floor(0.15, 0.165, 0.19); // as the manual says
+  for (int c = 0; c < 3; ++c) {
+    const double sent = floor[c] * integrate(800, [&](const Vec3& d) { return map.radiance(d)[c] * std::max(d.y, 0.f); }) / k_pi;
+    for (const double degrees : {-55.0, -30.0, 0.0, 30.0, 55.0}) {
+      const double a = degrees * k_pi / 180;
+      EXPECT_NEAR(map.radiance(glm::normalize(Vec3(std::sin(a), 0.004, -std::cos(a))))[c], sent, 0.01 * sent) << degrees;
+    }
+  }
 }
 
 // --- files ---

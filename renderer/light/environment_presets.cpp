@@ -71,6 +71,26 @@ Vec3 studio(const Vec3& d) {
   return light * 1.25f; // a matte thing of 80 % then comes out a little above 0.6
 }
 
+/// The room of a product shot, composed for mirrors that are seen from the front: very large boxes left and right from nearly the
+/// floor up, a graded one behind the camera, narrow cool and warm ones at the rims, and dark gaps between them that draw the shape's
+/// edges. What a camera sees that looks along -z, within 60 degrees to either side, is a backdrop that is as bright at the horizon as a
+/// matte floor of colour (0.15, 0.165, 0.19) in this light, and darkens upwards: floor and backdrop are one sweep.
+Vec3 cyclorama(const Vec3& d) {
+  static const SoftBox boxes[] = {
+      {{-3.0f, 1.3f, 0.2f}, {0, 1, 0}, 1.9f, 1.4f, 0.4f, 0.3f, {0.6f, 0.3f}, {3.8f, 4.0f, 4.3f}},    // left
+      {{3.0f, 1.2f, 0.5f}, {0, 1, 0}, 1.1f, 1.5f, 0.4f, 0.3f, {-0.5f, 0.3f}, {4.3f, 4.0f, 3.6f}},    // right
+      {{-2.7f, 1.6f, -1.7f}, {0, 1, 0}, 0.5f, 1.3f, 0.6f, 0.25f, {-0.3f, 0.3f}, {1.6f, 2.3f, 3.6f}}, // rim, cool
+      {{2.8f, 1.6f, -1.5f}, {0, 1, 0}, 0.5f, 1.3f, 0.6f, 0.25f, {0.3f, 0.3f}, {3.9f, 2.6f, 1.5f}},   // rim, warm
+      {{0.4f, 1.2f, 3.2f}, {0, 1, 0}, 1.5f, 0.8f, 0.6f, 0.35f, {0.3f, 0.5f}, {2.0f, 2.0f, 2.0f}},    // behind the camera
+      {{0.1f, 2.6f, -0.9f}, {0, 0, -1}, 1.5f, 0.7f, 0.7f, 0.3f, {0.1f, 0.3f}, {1.6f, 1.6f, 1.6f}},   // overhead
+  };
+  const Vec3 horizon(0.0951f, 0.1036f, 0.1209f); // the floor's colour times what comes from above
+  const float backdrop = smooth_step(0.15f, 0.5f, -d.z);
+  Vec3 light = horizon * ((0.22f + 0.78f * backdrop) * (1 - 0.7f * smooth_step(0, 0.35f, d.y)));
+  for (const SoftBox& box : boxes) light += box.seen_along(d);
+  return light;
+}
+
 /// A clear sky without a sun (a sun light makes sharp shadows better), for a camera that looks anywhere.
 Vec3 sky(const Vec3& d) {
   const float up = d.y;
@@ -105,6 +125,7 @@ EnvironmentMap paint(int width, int height, Function&& colour) {
 EnvironmentMap EnvironmentMap::make(EnvironmentPreset preset) {
   switch (preset) {
   case EnvironmentPreset::studio: return paint(1024, 512, studio);
+  case EnvironmentPreset::cyclorama: return paint(1024, 512, cyclorama);
   case EnvironmentPreset::sky: return paint(512, 256, sky);
   case EnvironmentPreset::white: break;
   }
