@@ -11,6 +11,7 @@
 #include "cli/command.h"
 #include "cli/film_options.h"
 #include "cli/fit_options.h"
+#include "cli/liquid_end.h"
 #include "cli/liquid_scene.h"
 #include "cli/render.h"
 #include "materials/presets.h"
@@ -22,7 +23,7 @@ namespace kelpie {
 namespace {
 
 struct Options : FitCommandOptions {
-  std::string from, to, from_up = "+y", to_up = "+y", surface = "metal", save_scene;
+  std::string from, to, from_up = "+y", to_up = "+y", turn = "auto", ends = "mesh", surface = "metal", camera = "orbit", save_scene;
   RenderOptions render;
 };
 
@@ -40,6 +41,9 @@ void check_usage(const RenderOptions& o, const LiquidSceneOptions& scene) {
 LiquidSceneOptions scene_options(const Options& o) {
   LiquidSceneOptions s;
   s.surface = o.surface;
+  for (const auto& [name, move] : EnumNames<CameraMove>::values)
+    if (name == o.camera) s.camera = move;
+  s.ends_are_meshes = o.ends == "mesh";
   if (o.render.frames) {
     const std::vector<int> frames = parse_frames(*o.render.frames);
     const auto [first, last] = std::minmax_element(frames.begin(), frames.end());
@@ -52,20 +56,26 @@ LiquidSceneOptions scene_options(const Options& o) {
   return s;
 }
 
-void fit_both(const Options& o, BlobCloud& from, BlobCloud& to) {
+LiquidEnd make_end(const std::string& path, const std::string& up, const FitCommandOptions& o) {
+  LiquidEnd end{path, {}, fit_and_report(path, o).blobs, {up}};
+  Diagnostics quiet; // what there is to say was said when blobs were fitted
+  end.mesh = load_mesh(path, quiet, {o.weld});
+  return end;
+}
+
+void make_both(const Options& o, LiquidEnd& from, LiquidEnd& to) {
   const int threads = o.render.threads > 0 ? o.render.threads : tbb::this_task_arena::max_concurrency();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads));
-  tbb::parallel_invoke([&] { from = fit_and_report(o.from, o).blobs; }, [&] { to = fit_and_report(o.to, o).blobs; });
+  tbb::parallel_invoke([&] { from = make_end(o.from, o.from_up, o); }, [&] { to = make_end(o.to, o.to_up, o); });
+  place_together(from, to, o.turn == "auto" ? std::optional<double>() : std::stod(o.turn));
 }
 
 void liquid(const Options& o) {
   const LiquidSceneOptions options = scene_options(o);
   check_usage(o.render, options);
   if (!o.save_scene.empty()) require_writable(o.save_scene);
-  BlobCloud from, to;
-  fit_both(o, from, to);
-  from = turned_upright(std::move(from), o.from_up), to = turned_upright(std::move(to), o.to_up);
-  place_together(from, to);
+  LiquidEnd from, to;
+  make_both(o, from, to);
   const std::string name = stem_of(o.from) + "_to_" + stem_of(o.to);
   if (!o.save_scene.empty()) {
     write_files_atomically(liquid_scene_files(o.save_scene, from, to, options));
@@ -90,11 +100,28 @@ void add_liquid(CLI::App& app) {
   add_fit_options(command, *options);
   command.add_option("--from-up", options->from_up, "the direction that is up in the first mesh")->check(is_axis)->capture_default_str();
   command.add_option("--to-up", options->to_up, "the direction that is up in the second mesh")->check(is_axis)->capture_default_str();
+  command
+      .add_option("--turn", options->turn,
+                  "how far the second mesh is turned about the vertical: degrees, or `auto`: so that it lies best in the first")
+      ->check([](const std::string& text) { return text == "auto" ? std::string() : CLI::Number(text); })
+      ->capture_default_str();
+  command
+      .add_option("--ends", options->ends,
+                  "what it is at either end: `mesh`: the mesh itself, which melts and sets; `fit`: the blobs fitted to it")
+      ->check(CLI::IsMember({"mesh", "fit"}))
+      ->capture_default_str();
   std::vector<std::string> materials;
   for (const std::string_view kind : kind_names<MaterialKinds>()) materials.emplace_back(kind);
   for (const Preset& preset : k_presets) materials.emplace_back(preset.name);
   command.add_option("--surface", options->surface, "what it is made of: a surface, a preset or a pattern (`kelpie swatches`)")
       ->check(CLI::IsMember(materials))
+      ->capture_default_str();
+  std::vector<std::string> moves;
+  for (const auto& [name, move] : EnumNames<CameraMove>::values) moves.emplace_back(name);
+  command
+      .add_option("--camera", options->camera,
+                  "how the camera follows: orbit (a slow arc), dolly (a slow approach) or still (one place for the whole morph)")
+      ->check(CLI::IsMember(moves))
       ->capture_default_str();
   command
       .add_option("--save-scene", options->save_scene,

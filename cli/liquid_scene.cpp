@@ -6,8 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "base/error.h"
-#include "base/standard_streams.h"
+#include "base/file_bytes.h"
 #include "field/clouds/cloud_file.h"
 #include "morph/liquid/interpolate.h"
 #include "morph/liquid/volume.h"
@@ -17,66 +16,60 @@ namespace kelpie {
 
 namespace {
 
-constexpr float k_size = 3, k_most_size_ratio = 1.5f;
-constexpr double k_fov = 30, k_pi = 3.14159265358979323846;
-/// From where one looks: a little from the right, and from so far above that the floor has no horizon.
-const Vec3d k_view = glm::normalize(Vec3d(0.35, 0.4, 1));
-constexpr double k_margin = 1.15;
-/// The share of the frames for which either end is held.
-constexpr double k_hold = 0.08;
+/// The share of the frames for which either end is held, that of the way in which it melts, and that of the hold in which it has begun to.
+constexpr double k_hold = 0.08, k_melt = 0.16, k_early = 0.5;
 
-/// What lies far from nearly all of a cloud decides how large it is shown.
-void warn_of_specks(const CloudExtent& e, const char* which) {
-  constexpr float k_dot = 0.1f;
-  if (e.bulk.diagonal() > k_dot * e.box.diagonal()) return;
-  const Vec3 c = e.bulk.centre();
-  print_message(fmt::format(
-      "warning: nearly all of the {} mesh, around ({:.4g}, {:.4g}, {:.4g}), is {:.2g} of its size: a speck far from it makes it "
-      "a dot; remove what is small and far away\n",
-      which, c.x, c.y, c.z, e.bulk.diagonal() / e.box.diagonal()));
+/// The lattice of a mesh: voxels along its longest side; and what is smooth in it.
+constexpr double k_voxels = 192;
+constexpr int k_crease_degrees = 40;
+
+/// Points of a mesh that the camera holds in view.
+constexpr size_t k_seen_vertices = 3000;
+
+/// A number that goes from one value to another, smoothly, between two frames.
+std::string eased(double first, double last, int from, int to) {
+  return fmt::format(R"({{ "keys": [[{:.6g}, {}, 0], [{:.6g}, {}, 0]], "interpolation": "hermite" }})", first, from, last, to);
 }
 
-CloudExtent checked_extent(const BlobCloud& cloud, const char* which) {
-  const CloudExtent e = extent_of(cloud);
-  if (e.box.is_empty()) throw Error(ExitStatus::bad_data, fmt::format("the {} cloud has no surface", which));
-  warn_of_specks(e, which);
-  return e;
-}
+/// When either end is left and reached, and when it melts and sets: frames.
+struct Passage {
+  double leaves, arrives, melts, molten, sets, set;
 
-void scale_and_stand(BlobCloud& cloud, const Box3& box, float scale) {
-  const Vec3 foot(box.centre().x, box.lower.y, box.centre().z);
-  for (Blob& b : cloud) b.centre = (b.centre - foot) * scale, b.radius *= scale;
-}
-
-struct View {
-  Vec3d position{0}, look_at{0};
+  explicit Passage(const LiquidSceneOptions& o) {
+    const double hold = std::round(k_hold * (o.last - o.first));
+    leaves = o.first + hold, arrives = std::max(o.last - hold, leaves + 1);
+    const double melting = k_melt * (arrives - leaves);
+    melts = leaves - k_early * hold, molten = leaves + melting;
+    set = arrives + k_early * hold, sets = arrives - melting;
+  }
+  double progress(double frame) const {
+    const double t = std::clamp((frame - leaves) / (arrives - leaves), 0.0, 1.0);
+    return t * t * (3 - 2 * t);
+  }
 };
 
-/// As near as possible with nine moments of the morph in the picture.
-View frame_morph(const BlobCloud& from, const BlobCloud& to, double aspect) {
-  constexpr int k_moments = 8;
-  const LiquidMorph morph(from, to, Correspondence::transport, VolumeRule::linear);
-  std::vector<Vec3> seen;
-  for (int i = 0; i <= k_moments; ++i) {
+void see(const LiquidEnd& end, SubjectMoment& moment) {
+  const size_t step = 1 + end.mesh.positions.size() / k_seen_vertices;
+  for (size_t i = 0; i < end.mesh.positions.size(); i += step)
+    moment.points.push_back(Vec3(end.placement.placed(end.mesh.origin + end.mesh.positions[i])));
+}
+
+/// What the camera follows.
+std::vector<SubjectMoment> moments_of(const LiquidEnd& from, const LiquidEnd& to, const LiquidSceneOptions& o) {
+  constexpr int k_intervals = 32;
+  const LiquidMorph morph(from.placement.placed(from.fit), to.placement.placed(to.fit), Correspondence::flow, VolumeRule::linear,
+                          o.ends_are_meshes ? LiquidEnds::molten : LiquidEnds::exact);
+  const Passage passage(o);
+  std::vector<SubjectMoment> moments;
+  for (int i = 0; i <= k_intervals; ++i) {
+    const double frame = o.first + (o.last - o.first) * double(i) / k_intervals;
     BlobCloud cloud;
-    morph.append_blobs(static_cast<float>(i) / k_moments, cloud);
-    const std::vector<Vec3> points = points_inside(cloud);
-    seen.insert(seen.end(), points.begin(), points.end());
+    morph.append_blobs(static_cast<float>(passage.progress(frame)), cloud);
+    moments.push_back({frame, points_inside(cloud)});
+    if (frame < passage.molten) see(from, moments.back());
+    if (frame > passage.sets) see(to, moments.back());
   }
-  Box3d box;
-  for (const Vec3& p : seen) box.extend(Vec3d(p));
-  View view;
-  view.look_at = box.centre();
-  const Vec3d right = glm::normalize(glm::cross(Vec3d(0, 1, 0), k_view)), up = glm::cross(k_view, right);
-  const double tangent = std::tan(k_fov / 2 * k_pi / 180);
-  double distance = 0;
-  for (const Vec3& point : seen) {
-    const Vec3d p = Vec3d(point) - view.look_at;
-    const double half = std::max(std::abs(glm::dot(p, up)), std::abs(glm::dot(p, right)) / aspect);
-    distance = std::max(distance, glm::dot(p, k_view) + half * k_margin / tangent);
-  }
-  view.position = view.look_at + distance * k_view;
-  return view;
+  return moments;
 }
 
 bool is_pattern(std::string_view name) {
@@ -84,84 +77,89 @@ bool is_pattern(std::string_view name) {
   return std::find(patterns.begin(), patterns.end(), name) != patterns.end();
 }
 
-std::string progress_keys(int first, int last) {
-  const int hold = static_cast<int>(std::lround(k_hold * (last - first)));
-  return fmt::format(R"({{ "keys": [[{}, 0, 0], [{}, 1, 0]], "interpolation": "hermite" }})", first + hold,
-                     std::max(last - hold, first + hold + 1));
+/// The mesh itself, in its place, as long as it is one.
+std::string mesh_text(const LiquidEnd& end, const std::string& file, const std::string& weight) {
+  const Vec3d extent = bounding_box(end.mesh).extent();
+  const double voxel = std::max({extent.x, extent.y, extent.z}) / k_voxels;
+  return end.placement.placed_text(fmt::format(R"({{ "kind": "sdf_mesh", "file": "{}", "voxel": {:.4g}, "crease": {}, "weight": {} }})",
+                                               file, voxel, k_crease_degrees, weight));
+}
+
+/// `more`: further parameters, each after a comma.
+std::string liquid_text(const std::string& stem, const Passage& p, const std::string& more) {
+  return fmt::format(R"({{ "kind": "liquid", "from": "{}_from.ply", "to": "{}_to.ply", "volume": "linear",
+            "progress": {}{} }})",
+                     stem, stem, eased(p.leaves, p.arrives, 0, 1), more);
+}
+
+/// Melt, flow, set: the weights of the mesh and of the liquid sum to 1, so at either end the field is the mesh's alone.
+std::string melting_text(const std::string& liquid, const std::string& first, const std::string& last, const std::string& material) {
+  return fmt::format(R"({{ "kind": "blend"{}, "children": [
+          {},
+          {},
+          {} ] }})",
+                     material, first, liquid, last);
+}
+
+/// What the copy of a mesh beside the scene is called.
+std::string copied_name(const std::string& stem, const char* which, const LiquidEnd& end) {
+  return fmt::format("{}_{}_mesh{}", stem, which, std::filesystem::path(end.path).extension().string());
 }
 
 } // namespace
 
-BlobCloud turned_upright(BlobCloud cloud, const std::string& up) {
-  for (Blob& b : cloud) {
-    const Vec3 p = b.centre;
-    if (up == "-y") b.centre = {p.x, -p.y, -p.z};
-    if (up == "+z") b.centre = {p.x, p.z, -p.y};
-    if (up == "-z") b.centre = {p.x, -p.z, p.y};
-    if (up == "+x") b.centre = {-p.y, p.x, p.z};
-    if (up == "-x") b.centre = {p.y, -p.x, p.z};
-  }
-  return cloud;
-}
-
-void place_together(BlobCloud& from, BlobCloud& to) {
-  const CloudExtent a = checked_extent(from, "first"), b = checked_extent(to, "second");
-  const float size_a = a.box.diagonal(), size_b = b.box.diagonal();
-  // The factor of the second cloud relative to the first.
-  const float by_volume = static_cast<float>(std::cbrt(a.volume / b.volume)), by_size = size_a / size_b;
-  const float ratio = std::clamp(by_volume, by_size / k_most_size_ratio, by_size * k_most_size_ratio);
-  const float scale = k_size / std::max(size_a, ratio * size_b);
-  scale_and_stand(from, a.box, scale);
-  scale_and_stand(to, b.box, scale * ratio);
-}
-
-std::vector<FileToWrite> liquid_scene_files(const std::string& path, const BlobCloud& from, const BlobCloud& to,
+std::vector<FileToWrite> liquid_scene_files(const std::string& path, const LiquidEnd& from, const LiquidEnd& to,
                                             const LiquidSceneOptions& o) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::path(path).parent_path();
   const std::string stem = fs::path(path).stem().string();
-  const View view = frame_morph(from, to, o.aspect);
+  const CameraPath camera = follow(moments_of(from, to, o), o.camera, o.aspect);
   // A pattern is the liquid's own, so that it flows with it.
   const bool flows = is_pattern(o.surface);
-  const std::string material = flows ? fmt::format(",\n        \"material\": \"{}\"", o.surface) : "";
+  const std::string material = flows ? fmt::format(", \"material\": \"{}\"", o.surface) : "";
   const std::string look = flows                  ? ""
                            : o.surface == "metal" ? ",\n      \"surface\": { \"kind\": \"metal\", \"roughness\": 0.15 }"
                                                   : fmt::format(",\n      \"surface\": \"{}\"", o.surface);
+  std::vector<FileToWrite> files;
+  const Passage passage(o);
+  std::string field;
+  if (o.ends_are_meshes) {
+    const std::string first = copied_name(stem, "from", from), last = copied_name(stem, "to", to);
+    files.push_back({folder / first, read_file_bytes(from.path)}), files.push_back({folder / last, read_file_bytes(to.path)});
+    const std::string weight =
+        fmt::format(R"({{ "keys": [[{:.6g}, 0, 0], [{:.6g}, 1, 0], [{:.6g}, 1, 0], [{:.6g}, 0, 0]], "interpolation": "hermite" }})",
+                    passage.melts, passage.molten, passage.sets, passage.set);
+    const std::string liquid =
+        liquid_text(stem, passage, fmt::format(",\n            \"ends\": \"molten\", \"weight\": {}{}", weight, material));
+    field = melting_text(liquid, mesh_text(from, first, eased(passage.melts, passage.molten, 1, 0)),
+                         mesh_text(to, last, eased(passage.sets, passage.set, 0, 1)), material);
+  } else {
+    field = liquid_text(stem, passage, material);
+  }
   const std::string text = fmt::format(
       R"(// Made by kelpie liquid. `kelpie kinds liquid` explains the words.
 {{
   "kelpie": 1,
   "frames": {{ "first": {first}, "last": {last}, "fps": 24 }},
-  "camera": {{ "position": [{px:.4f}, {py:.4f}, {pz:.4f}], "look_at": [{lx:.4f}, {ly:.4f}, {lz:.4f}], "fov": {fov} }},
-  "film": {{ "resolution": [1280, 720], "spp": 64, "bounces": 4, "background": [0.01, 0.01, 0.012] }},
-  "lights": [
-    {{ "kind": "environment", "preset": "studio" }}
-  ],
+  "camera": {camera},
+  "film": {{ "resolution": [1280, 720], "spp": 64, "bounces": 4 }},
+  "lights": {lights},
   "shapes": [
     {{
       "name": "liquid",
       "threshold": 1,
-      "field": {{
-        "kind": "liquid",
-        "from": "{stem}_from.ply",
-        "to": "{stem}_to.ply",
-        "volume": "linear",
-        "progress": {progress}{material}
-      }}{look}
+      "field": {field}{look}
     }},
-    {{
-      "name": "floor",
-      "geometry": {{ "kind": "plane", "position": [0, 0, 0] }},
-      "surface": {{ "kind": "metal", "colour": [0.03, 0.03, 0.035], "roughness": 0.5 }}
-    }}
+    {floor}
   ]
 }}
 )",
-      fmt::arg("first", o.first), fmt::arg("last", o.last), fmt::arg("px", view.position.x), fmt::arg("py", view.position.y),
-      fmt::arg("pz", view.position.z), fmt::arg("lx", view.look_at.x), fmt::arg("ly", view.look_at.y), fmt::arg("lz", view.look_at.z),
-      fmt::arg("fov", k_fov), fmt::arg("stem", stem), fmt::arg("progress", progress_keys(o.first, o.last)), fmt::arg("look", look),
-      fmt::arg("material", material));
-  return {{folder / (stem + "_from.ply"), blob_cloud_bytes(from)}, {folder / (stem + "_to.ply"), blob_cloud_bytes(to)}, {path, text}};
+      fmt::arg("first", o.first), fmt::arg("last", o.last), fmt::arg("camera", camera.text()), fmt::arg("lights", shot_lights_text()),
+      fmt::arg("floor", shot_floor_text()), fmt::arg("field", field), fmt::arg("look", look));
+  files.push_back({folder / (stem + "_from.ply"), blob_cloud_bytes(from.placement.placed(from.fit))});
+  files.push_back({folder / (stem + "_to.ply"), blob_cloud_bytes(to.placement.placed(to.fit))});
+  files.push_back({path, text});
+  return files;
 }
 
 } // namespace kelpie

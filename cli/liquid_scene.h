@@ -1,11 +1,12 @@
-// The scene of `kelpie liquid`: two clouds on a floor, seen by a camera that holds the whole morph.
+// The scene of `kelpie liquid`: a mesh on a floor melts, flows and sets as another, followed by a camera.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "base/atomic_file.h"
-#include "field/potential/blob.h"
+#include "cli/liquid_end.h"
+#include "cli/shot.h"
 
 namespace kelpie {
 
@@ -13,19 +14,13 @@ struct LiquidSceneOptions {
   int first = 1, last = 96;
   std::string surface = "metal"; ///< a kind of material or a preset
   double aspect = 16.0 / 9;      ///< width over height of the picture
+  CameraMove camera = CameraMove::orbit;
+  bool ends_are_meshes = true; ///< else they are the blobs that were fitted
 };
 
-/// The directions that may be up in a mesh.
-inline constexpr const char* k_up_axes[] = {"+x", "-x", "+y", "-y", "+z", "-z"};
-
-/// The cloud turned so that `up` (one of k_up_axes) becomes +y.
-BlobCloud turned_upright(BlobCloud, const std::string& up);
-
-/// Brings both clouds to one volume (as far as their sizes stay within a factor of 1.5), the larger one 3 units
-/// across, centred above the origin, standing on y = 0. Throws Error, bad_data, where a cloud has no surface.
-void place_together(BlobCloud& from, BlobCloud& to);
-
-/// The files of a scene called `path`: beside it the clouds, NAME_from.ply and NAME_to.ply, and last the scene itself.
-std::vector<FileToWrite> liquid_scene_files(const std::string& path, const BlobCloud& from, const BlobCloud& to, const LiquidSceneOptions&);
+/// The files of a scene called `path`: beside it, unless the ends are fits, copies of the meshes (NAME_from_mesh, NAME_to_mesh, with the
+/// endings of their files), then the clouds, NAME_from.ply and NAME_to.ply, and last the scene itself. Throws Error, bad_data, where a
+/// cloud has no surface, and missing_input where a mesh cannot be read.
+std::vector<FileToWrite> liquid_scene_files(const std::string& path, const LiquidEnd& from, const LiquidEnd& to, const LiquidSceneOptions&);
 
 } // namespace kelpie

@@ -31,7 +31,7 @@ private:
   void load(Liquid<AnimatedMode>& k, const SourcePosition& where) {
     const CloudPtr from = cloud(k.from), to = cloud(k.to);
     if (!from || !to) return;
-    attempt(where, [&] { k.morph = std::make_shared<const LiquidMorph>(*from, *to, k.correspondence, k.volume); });
+    attempt(where, [&] { k.morph = std::make_shared<const LiquidMorph>(*from, *to, k.correspondence, k.volume, k.ends); });
   }
 
   void load(TriangleMesh<AnimatedMode>& k, const SourcePosition&) {
@@ -59,12 +59,10 @@ private:
     if (k.file.resolved.empty()) return;
     double reach = k.radius.at(0); // at any time; a constant has no keys
     for (const Key<float>& key : k.radius.keys()) reach = std::max(reach, double(key.value));
-    const auto [entry, is_new] = grids_.try_emplace({k.file.resolved, {k.voxel, reach, k.weld}});
+    const MeshSampling how{k.voxel, reach, k.weld, k.crease};
+    const auto [entry, is_new] = grids_.try_emplace({k.file.resolved, how});
     std::shared_ptr<const DistanceGrid>& loaded = entry->second;
-    if (is_new)
-      attempt(reader_.where_named(k.file), [&] {
-        loaded = load_distance_grid(k.file.resolved, {k.voxel, reach, k.weld}, use_cache_, diagnostics_);
-      });
+    if (is_new) attempt(reader_.where_named(k.file), [&] { loaded = load_distance_grid(k.file.resolved, how, use_cache_, diagnostics_); });
     k.grid = loaded;
   }
 

@@ -7,7 +7,10 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "morph/liquid/body_graph.h"
+#include "morph/liquid/flow_path.h"
 #include "morph/liquid/interpolate.h"
+#include "morph/liquid/local_balance.h"
 #include "morph/liquid/match.h"
 #include "morph/liquid/surface_samples.h"
 #include "morph/liquid/volume.h"
@@ -16,7 +19,7 @@ namespace kelpie {
 namespace {
 
 constexpr double k_pi = 3.14159265358979323846;
-constexpr Correspondence k_all[] = {Correspondence::transport, Correspondence::cellular};
+constexpr Correspondence k_all[] = {Correspondence::flow, Correspondence::transport, Correspondence::cellular};
 
 Mesh torus(int around, int along, double tube) {
   Mesh m;
@@ -157,19 +160,85 @@ TEST(Fit, RefusesWhatEnclosesNothing) {
 
 TEST(Match, EverybodyHasPartnersAndSharesSumToOne) {
   const BlobCloud a = row(), b = ring();
-  for (const Correspondence how : k_all) {
+  for (const auto& links : {match_cellular(a, b), match_transport(a, b), match_transport(a, b, BodyGraph(a, b))}) {
     std::vector<double> from(a.size(), 0), to(b.size(), 0);
-    for (const Link& l : match_blobs(a, b, how)) from[l.from] += l.from_share, to[l.to] += l.to_share;
+    for (const Link& l : links) from[l.from] += l.from_share, to[l.to] += l.to_share;
     for (const double s : from) EXPECT_NEAR(s, 1, 1e-5);
     for (const double s : to) EXPECT_NEAR(s, 1, 1e-5);
   }
+}
+
+/// A bent arm of balls that touch: from the shoulder at the origin up, then right.
+BlobCloud arm() {
+  BlobCloud c;
+  for (int i = 0; i < 19; ++i) c.push_back({Vec3(0, 0.1f * float(i), 0), 0.3f, 1.3f, Falloff::quartic});
+  for (int i = 1; i < 19; ++i) c.push_back({Vec3(0.1f * float(i), 1.8f, 0), 0.3f, 1.3f, Falloff::quartic});
+  return c;
+}
+
+TEST(BodyGraph, WaysLeadThroughTheBodies) {
+  const BlobCloud from{{Vec3(0), 0.3f, 2.f, Falloff::quartic}}, to = arm();
+  const BodyGraph bodies(from, to);
+  EXPECT_NEAR(bodies.length(0, 36), 3.6, 0.2); // up and right, but for the elbow's inside
+  const std::vector<Vec3d> way = bodies.way(0, 36);
+  EXPECT_EQ(way.front(), Vec3d(0));
+  EXPECT_EQ(way.back(), Vec3d(to[36].centre));
+  for (const Vec3d& p : way) EXPECT_TRUE(std::abs(p.x) < 1e-6 || std::abs(p.y - 1.8) < 1e-6) << p.x << " " << p.y;
+}
+
+TEST(BodyGraph, LeapsWhereItIsNearest) {
+  BlobCloud to = arm();
+  for (size_t i = 19; i < to.size(); ++i) to[i].centre.x += 0.5f; // the elbow is torn
+  const BodyGraph bodies({{Vec3(0), 0.3f, 2.f, Falloff::quartic}}, to);
+  EXPECT_GT(bodies.length(0, 36), 3.9 + (BodyGraph::k_air - 1) * 0.2);
+  const std::vector<Vec3d> way = bodies.way(0, 36);
+  for (const Vec3d& p : way) EXPECT_TRUE(std::abs(p.x) < 1e-6 || std::abs(p.y - 1.8) < 1e-6);
+}
+
+TEST(BodyGraph, BodiesApartAreLaidUponEachOther) {
+  BlobCloud from = arm(), to = arm();
+  for (Blob& b : to) b.centre += Vec3(20, 0, 0);
+  const BodyGraph bodies(from, to);
+  for (size_t i = 0; i < from.size(); ++i) {
+    EXPECT_NEAR(bodies.length(i, i), 0, 1e-5);
+    EXPECT_NEAR(bodies.way(i, i).back().x, to[i].centre.x, 1e-5);
+  }
+}
+
+TEST(FlowPath, IsSmoothEvenAndExactAtItsEnds) {
+  const std::vector<Vec3d> way{{0, 0, 0}, {0, 1, 0}, {0, 2, 0}, {0.1, 2, 0}, {2, 2, 0}};
+  const Spline<Vec3d> path = flow_path(way);
+  EXPECT_EQ(path(0), way.front());
+  EXPECT_LT(glm::distance(path(1), way.back()), 1e-12);
+  double least = 1e9, most = 0, turn = 0;
+  for (int i = 0; i < 100; ++i) {
+    const double step = glm::distance(path(i / 100.0), path((i + 1) / 100.0));
+    least = std::min(least, step), most = std::max(most, step);
+    if (i > 0) {
+      const Vec3d a = path(i / 100.0) - path((i - 1) / 100.0), b = path((i + 1) / 100.0) - path(i / 100.0);
+      turn = std::max(turn, std::acos(std::clamp(glm::dot(glm::normalize(a), glm::normalize(b)), -1.0, 1.0)));
+    }
+  }
+  EXPECT_LT(most, 1.5 * least);
+  EXPECT_LT(turn, 0.3); // of a right angle
+}
+
+// Ten balls in one place are ten times too much; one that is alone is as it should be.
+TEST(LocalBalance, TakesAwayWhatPilesUp) {
+  BlobCloud c(10, {Vec3(0), 1.f, 2.f, Falloff::quartic});
+  c.push_back({Vec3(5, 0, 0), 1.f, 2.f, Falloff::quartic});
+  EXPECT_NEAR(potentials_at_centres(c)[3], 20, 1e-5);
+  const std::vector<double> factors = balancing_factors(c, std::vector<double>(11, 2.0));
+  for (size_t i = 0; i < 10; ++i) EXPECT_NEAR(factors[i], 0.1, 0.01);
+  EXPECT_EQ(factors[10], 1);
+  EXPECT_EQ(balancing_factors(c, std::vector<double>(11, 100.0))[10], k_most_given);
 }
 
 TEST(Match, AMovedAndScaledCopyIsMatchedToItself) {
   const BlobCloud a = ring();
   BlobCloud b = a;
   for (Blob& x : b) x.centre = 3.f * x.centre + Vec3(1, 2, 3), x.radius *= 3;
-  const auto links = match_blobs(a, b, Correspondence::cellular);
+  const auto links = match_cellular(a, b);
   EXPECT_GE(links.size(), a.size());
   for (const Link& l : links) EXPECT_EQ(l.from, l.to);
 }
@@ -215,10 +284,64 @@ TEST(Morph, VolumeIsLinear) {
   }
 }
 
+/// How many pieces {f > 1} has, on a grid of points.
+int pieces(const BlobCloud& cloud, const Box3& box, int n) {
+  std::vector<char> inside;
+  for (int z = 0; z < n; ++z)
+    for (int y = 0; y < n; ++y)
+      for (int x = 0; x < n; ++x) inside.push_back(field(cloud, Vec3d(box.lower + box.extent() * Vec3(x, y, z) / float(n - 1))) > 1);
+  int count = 0;
+  std::vector<int> stack;
+  for (int start = 0; start < n * n * n; ++start) {
+    if (!inside[size_t(start)]) continue;
+    ++count, stack.push_back(start), inside[size_t(start)] = 0;
+    while (!stack.empty()) {
+      const int at = stack.back(), place[] = {at % n, at / n % n, at / n / n}, stride[] = {1, n, n * n};
+      stack.pop_back();
+      for (int axis = 0; axis < 3; ++axis)
+        for (const int side : {-1, 1}) {
+          if (place[axis] + side < 0 || place[axis] + side >= n || !inside[size_t(at + side * stride[axis])]) continue;
+          inside[size_t(at + side * stride[axis])] = 0, stack.push_back(at + side * stride[axis]);
+        }
+    }
+  }
+  return count;
+}
+
+// An arm that points up and right becomes one that points up and left: it is drawn in and out, and nothing leaps through the air.
+TEST(Morph, LimbsAreDrawnInAndOut) {
+  const BlobCloud a = arm();
+  BlobCloud b = a;
+  for (Blob& x : b) x.centre.x = -x.centre.x;
+  Box3 box;
+  for (const BlobCloud& cloud : {a, b})
+    for (const Blob& x : cloud) box.extend(support(x));
+  const LiquidMorph flow(a, b, Correspondence::flow, VolumeRule::linear);
+  for (int i = 0; i <= 10; ++i) EXPECT_EQ(pieces(at(flow, float(i) / 10), box, 48), 1) << "progress " << i / 10.0;
+}
+
+// Nothing jumps where it begins to flow, and its volume is that of the ends.
+TEST(Morph, MoltenEndsAreAsSmoothAsBetween) {
+  const BlobCloud a = arm();
+  BlobCloud b = a;
+  for (Blob& x : b) x.centre.x = -x.centre.x;
+  const LiquidMorph molten(a, b, Correspondence::flow, VolumeRule::linear, LiquidEnds::molten);
+  float least = 1e9f;
+  for (const Blob& x : at(molten, 0)) least = std::min(least, x.radius);
+  EXPECT_GT(least, 1.05f * a[0].radius);
+  EXPECT_NEAR(extent_of(at(molten, 0)).volume, extent_of(a).volume, 0.05 * extent_of(a).volume);
+  EXPECT_NEAR(extent_of(at(molten, 1)).volume, extent_of(b).volume, 0.05 * extent_of(b).volume);
+  const BlobCloud first = at(molten, 0), next = at(molten, 1e-4f);
+  for (int i = 0; i < 100; ++i) {
+    const Vec3d p(0.01 * i, 1.7, 0.1);
+    EXPECT_NEAR(field(first, p), field(next, p), 0.01);
+  }
+}
+
 TEST(Morph, DoesNotDependOnTheNumberOfThreads) {
   const auto with_threads = [](size_t n) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, n);
-    return at(LiquidMorph(row(), ring(), Correspondence::transport, VolumeRule::linear), 0.37f);
+    return at(LiquidMorph(row(), ring(), Correspondence::flow, VolumeRule::linear), 0.37f);
   };
   EXPECT_TRUE(same(with_threads(1), with_threads(4)));
 }

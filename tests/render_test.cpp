@@ -17,7 +17,7 @@ constexpr const char* k_sphere = R"({ "kelpie": 1,
   "film": { "resolution": [48, 32], "spp": 1, "bounces": 0, "filter": "centre", "background": "transparent" },
   "lights": [ { "kind": "sun", "direction": [1, 2, 2], "strength": 3, "angle": 0 } ],
   "shapes": [ { "name": "ball", "surface": { "kind": "matte", "colour": [0.5, 0.25, 0.125] },
-    "field": { "kind": "point", "centre": [0, 0, 0], "radius": 1.8477590650225735, "weight": 2 } } ] })";
+    "field": { "kind": "point", "centre": [0, 0, 0], "radius": 1.8477590650225735, "weight": 2, "falloff": "quartic" } } ] })";
 
 /// A bit of everything, sampled: blobs, a carved union, metal, a plane, two lights, bounces.
 constexpr const char* k_mixture = R"({ "kelpie": 1, "frames": { "first": 1, "last": 3 },

@@ -86,7 +86,7 @@ TEST(Parts, RefuseWhatLeadsNowhere) {
   expect("", instance_of("drop"), at + "unknown part \"drop\": the scene has no parts");
   expect(drop, R"({"kind":"instance"})", "scene.json:2:31: missing key \"of\" of instance");
   expect(drop, R"({"kind":"instance","of":7})", at + "of: expected the name of a part, found a number");
-  expect(drop, R"({"kind":"instance","of":"drop","scale":[1,-1,1]})", "scene.json:2:73: scale must be > 0, found -1");
+  expect(drop, R"({"kind":"instance","of":"drop","scale":[1,0,1]})", "scene.json:2:73: scale must be other than 0, found 0");
   expect("\"\":" + k_point, k_point, "scene.json:1:22: parts: a name may not be empty");
   expect("\"drop\":" + k_point + ",\"drop\":" + k_point, k_point, "scene.json:1:74: duplicate key \"drop\" (also in line 1)");
   // Parts are checked whether or not anything uses them.

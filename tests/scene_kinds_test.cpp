@@ -213,7 +213,7 @@ TEST(EveryKind, HasAPageThatTellsAll) {
     EXPECT_NE(page.find(T::k_doc), std::string::npos);
     for_each_parameter<T>([&](const auto& row) { EXPECT_NE(page.find(row.doc), std::string::npos) << row.name; });
   });
-  EXPECT_NE(manual_page("point").find("radius   number > 0, scene units, may be animated, this or `surface_radius` is required"),
+  EXPECT_NE(manual_page("point").find("radius          number > 0, scene units, may be animated, this or `surface_radius` is required"),
             std::string::npos);
   EXPECT_NE(index.find("fields: warps\n  translate"), std::string::npos);
   EXPECT_NE(manual_page("falloff").find("cubic     q^3"), std::string::npos);

@@ -1,7 +1,7 @@
 // What a scene says in place of numbers that it could say: where a surface lies, what is mirrored, what else is to be known.
 #include <fmt/format.h>
 
-#include "renderer/program/program.h"
+#include "renderer/program/evaluate.h"
 #include "tests/support/scene_folder.h"
 
 namespace kelpie {
@@ -30,7 +30,7 @@ TEST(SurfaceRadius, IsHowFarTheSurfaceOfALoneSkeletonLies) {
        {Case{R"("kind":"point","centre":[0,0,0])", {0, 0.3, 0}}, Case{R"("kind":"segment","from":[0,0,0],"to":[1,0,0])", {0.5, 0.3, 0}},
         Case{R"("kind":"box","centre":[0,0,0],"size":2)", {0.2, 1.3, 0.1}},
         Case{R"("kind":"generalized_cylinder","points":[[0,0,0],[1,0,0]],"radii":0.1)", {0.5, 0.4, 0}}})
-    for (const std::string_view falloff : enum_names<Falloff>())
+    for (const auto& [falloff, value] : EnumNames<Falloff>::values)
       for (const double threshold : {0.2, 1.0, 1.9}) {
         const std::string field = fmt::format(R"({{{},"surface_radius":0.3,"weight":2,"falloff":"{}"}})", c.skeleton, falloff);
         const FieldProgram program = program_of(folder.read(shape_of(field, fmt::format("\"threshold\":{},", threshold))), 1);
@@ -65,7 +65,7 @@ TEST(SurfaceRadius, IsRefusedWhereThereIsNoSurface) {
   EXPECT_EQ(errors(R"({"keys":[[1,2],[4,0.5],[9,2]]})"), said("4", "0.5", "1"));
   EXPECT_EQ(errors("2", R"("threshold":{"keys":[[1,1],[7,2]]},)"), said("7", "2", "2"));
   EXPECT_EQ(folder.errors(shape_of(R"({"kind":"point","centre":[0,0,0],"surface_radius":1,"radius":1})")),
-            "scene.json:2:57: \"radius\" and \"surface_radius\" exclude each other");
+            "scene.json:2:53: \"radius\" and \"surface_radius\" exclude each other");
 }
 
 TEST(Mirrors, ShowWhatLiesAtTheOtherSide) {

@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "morph/liquid/match.h"
+#include "morph/liquid/body_graph.h"
+#include "morph/liquid/flow_path.h"
+#include "morph/liquid/local_balance.h"
 #include "morph/liquid/volume.h"
 
 namespace kelpie {
@@ -13,6 +15,21 @@ namespace {
 
 /// Gains are found at this many equal steps: half a frame of a morph of two seconds.
 constexpr int k_gain_steps = 64;
+
+/// Balances are found at this many: they change slowly.
+constexpr int k_balance_steps = 32;
+
+/// The progress in which the parts of a blob have left one another.
+constexpr float k_parting = 0.35f;
+
+/// How much wider than a ball of its volume a part is, so that those of one blob go on as one liquid.
+constexpr float k_spread = 2;
+
+/// The radius of influence of the least drop, as a share of the diagonal of both clouds' box.
+constexpr float k_drop = 0.08f;
+
+/// What the sum at a part's centre is at most, far from the ends: where much passes through a thin place it does not swell into a ball.
+constexpr double k_most_on_the_way = 1.3;
 
 /// A shape of some percent of its cloud's box still covers thousands of cells.
 constexpr size_t k_volume_cells = 250'000;
@@ -26,20 +43,40 @@ float cube(float x) { return x * x * x; }
 
 } // namespace
 
-LiquidMorph::LiquidMorph(const BlobCloud& from, const BlobCloud& to, Correspondence how, VolumeRule rule)
-    : from_(from), to_(to), how_(how) {
+LiquidMorph::LiquidMorph(const BlobCloud& from, const BlobCloud& to, Correspondence how, VolumeRule rule, LiquidEnds ends)
+    : from_(from), to_(to), how_(how), ends_(ends) {
+  for (const Blob& b : from_) box_.extend(support(b));
+  for (const Blob& b : to_) box_.extend(support(b));
+  drop_radius_ = k_drop * box_.diagonal();
+  if (how == Correspondence::flow) {
+    const BodyGraph bodies(from, to);
+    add_parts(match_transport(from, to, bodies), &bodies);
+    find_balance();
+  } else {
+    add_parts(how == Correspondence::transport ? match_transport(from, to) : match_cellular(from, to), nullptr);
+  }
+  if (rule == VolumeRule::linear) find_gains();
+}
+
+/// Along their ways through the bodies, if there are any.
+void LiquidMorph::add_parts(const std::vector<Link>& links, const BodyGraph* bodies) {
   const auto end = [](const Blob& b, float share) {
     End e{b.centre, shape_of(b), b.radius, b.weight * cube(b.radius) * share, b.falloff};
     e.shape.weight *= share;
     return e;
   };
-  for (const Link& l : match_blobs(from, to, how)) parts_.push_back({end(from[l.from], l.from_share), end(to[l.to], l.to_share)});
+  for (const Link& l : links) {
+    const Blob &a = from_[l.from], &b = to_[l.to];
+    const std::vector<Vec3d> way = bodies ? bodies->way(l.from, l.to) : std::vector<Vec3d>{Vec3d(a.centre), Vec3d(b.centre)};
+    parts_.push_back({end(a, l.from_share), end(b, l.to_share), l.from_share, l.to_share, flow_path(way)});
+  }
   for (uint32_t i = 0; i < parts_.size(); ++i) part_of_blob_.insert(part_of_blob_.end(), is_of_two_falloffs(parts_[i]) ? 2 : 1, i);
-  if (rule == VolumeRule::linear) find_gains();
 }
 
 void LiquidMorph::append_blobs(float progress, BlobCloud& out) const {
-  if (progress <= 0)
+  if (is_molten())
+    append_parts(progress, gain_at(progress), out);
+  else if (progress <= 0)
     out.insert(out.end(), from_.begin(), from_.end());
   else if (progress >= 1)
     out.insert(out.end(), to_.begin(), to_.end());
@@ -47,8 +84,28 @@ void LiquidMorph::append_blobs(float progress, BlobCloud& out) const {
     append_parts(progress, gain_at(progress), out);
 }
 
+/// 0 at an exact end, from which `u` counts, 1 from k_parting on; smooth.
+float LiquidMorph::away_from_end(float u) const {
+  if (is_molten()) return 1;
+  const float v = std::clamp(u / k_parting, 0.f, 1.f);
+  return v * v * (3 - 2 * v);
+}
+
+/// On the way a part has the volume of its share of its blob, and no less than a drop's: what is smaller spreads until it is no surface of
+/// its own, and shows only where it meets others. So crumbs do not fly, and thin limbs are drawn in and out. Near the ends, where the
+/// parts of a blob are still, or again, together, it has the blob's radius.
+float LiquidMorph::flow_radius(const Part& p, float u) const {
+  const float a = std::log(p.from.radius), b = std::log(p.to.radius);
+  const float own_a = a + std::min(0.f, std::log(k_spread * std::cbrt(p.from_share)));
+  const float own_b = b + std::min(0.f, std::log(k_spread * std::cbrt(p.to_share)));
+  const float left = away_from_end(u), arriving = away_from_end(1 - u);
+  const float radius = std::exp(lerp(own_a, own_b, u) + (a - own_a) * (1 - left) + (b - own_b) * (1 - arriving));
+  return std::cbrt(cube(radius) + cube(drop_radius_ * left * arriving));
+}
+
 Blob LiquidMorph::interpolate(const Part& p, float u, float gain) const {
-  const Vec3 centre = lerp(p.from.centre, p.to.centre, u);
+  const Vec3 centre(p.path(u));
+  if (p.balance) gain *= static_cast<float>(std::exp((*p.balance)(u)));
   if (how_ == Correspondence::cellular) {
     const BlobShape &a = p.from.shape, &b = p.to.shape;
     return to_blob({lerp(a.sphere_radius, b.sphere_radius, u), lerp(a.stiffness, b.stiffness, u), lerp(a.weight, b.weight, u) * gain},
@@ -56,7 +113,7 @@ Blob LiquidMorph::interpolate(const Part& p, float u, float gain) const {
   }
   // Weights that moved linearly by themselves would multiply the mass of a part between a large and a small blob. The cube of the
   // radius, moved linearly, stays large too long: thin limbs were spread out below the threshold.
-  const float volume = cube(lerp(p.from.radius, p.to.radius, u));
+  const float volume = how_ == Correspondence::flow ? cube(flow_radius(p, u)) : cube(lerp(p.from.radius, p.to.radius, u));
   return {centre, std::cbrt(volume), lerp(p.from.mass, p.to.mass, u) / volume * gain, p.from.falloff};
 }
 
@@ -73,30 +130,49 @@ void LiquidMorph::append_parts(float u, float gain, BlobCloud& out) const {
   }
 }
 
+/// Finds each part's own factor, at equal steps of progress. Without it parts that meet in a neck pile up; one common factor that makes
+/// up for the volume then starves all others.
+void LiquidMorph::find_balance() {
+  const auto wanted_of = [&](float u) {
+    BlobCloud cloud;
+    append_parts(u, 1, cloud);
+    return potentials_at_centres(cloud);
+  };
+  const std::vector<double> first = wanted_of(0), last = wanted_of(1);
+  const int ends = is_molten() ? 0 : 1; // exact ends are as they are
+  std::vector<std::vector<double>> logarithms(parts_.size(), std::vector<double>(k_balance_steps + 1, 0.0));
+  parallel_for(ends, k_balance_steps + 1 - ends, [&](int step) {
+    const float u = static_cast<float>(step) / k_balance_steps;
+    BlobCloud cloud;
+    append_parts(u, 1, cloud);
+    std::vector<double> wanted(first.size());
+    const double on_the_way = away_from_end(u) * away_from_end(1 - u);
+    for (size_t i = 0; i < wanted.size(); ++i) {
+      const double between = lerp(first[i], last[i], double(u));
+      wanted[i] = std::min(between, lerp(between, k_most_on_the_way, on_the_way));
+    }
+    const std::vector<double> factors = balancing_factors(cloud, wanted);
+    // Of a part that is two blobs the second one stands at the same place: either would do.
+    for (size_t i = 0; i < factors.size(); ++i) logarithms[part_of_blob_[i]][static_cast<size_t>(step)] = std::log(factors[i]);
+  });
+  for (size_t i = 0; i < parts_.size(); ++i) parts_[i].balance = Spline<double>::catmull_rom(logarithms[i]);
+}
+
 void LiquidMorph::find_gains() {
-  Box3 box;
-  for (const Blob& b : from_) box.extend(support(b));
-  for (const Blob& b : to_) box.extend(support(b));
-  const VolumeGrid grid(box, k_volume_cells);
+  const VolumeGrid grid(box_, k_volume_cells);
   const double first = grid.volume(from_), last = grid.volume(to_);
-  gain_.assign(k_gain_steps + 1, 1.f);
   if (first == 0 || last == 0) return; // an end without a surface: nothing to be linear between
-  parallel_for(1, k_gain_steps, [&](int i) {
+  std::vector<double> gains(k_gain_steps + 1, 1.0);
+  const int ends = is_molten() ? 0 : 1;
+  parallel_for(ends, k_gain_steps + 1 - ends, [&](int i) {
     const float u = static_cast<float>(i) / k_gain_steps;
     BlobCloud cloud;
     append_parts(u, 1, cloud);
-    gain_[i] = static_cast<float>(grid.gain_for_volume(cloud, lerp(first, last, u)));
+    gains[static_cast<size_t>(i)] = grid.gain_for_volume(cloud, lerp(first, last, u));
   });
+  gain_ = Spline<double>::catmull_rom(gains); // its rate of change has no steps, or the liquid would jerk
 }
 
-float LiquidMorph::gain_at(float progress) const {
-  if (gain_.empty()) return 1;
-  const float x = progress * k_gain_steps;
-  const int i = std::clamp(static_cast<int>(x), 0, k_gain_steps - 1);
-  const float u = x - static_cast<float>(i);
-  const float g0 = gain_[std::max(i - 1, 0)], g1 = gain_[i], g2 = gain_[i + 1], g3 = gain_[std::min(i + 2, k_gain_steps)];
-  // Catmull–Rom: the gain's rate of change has no steps, or the liquid would jerk.
-  return g1 + 0.5f * u * (g2 - g0 + u * (2 * g0 - 5 * g1 + 4 * g2 - g3 + u * (3 * (g1 - g2) + g3 - g0)));
-}
+float LiquidMorph::gain_at(float progress) const { return gain_ ? static_cast<float>((*gain_)(progress)) : 1; }
 
 } // namespace kelpie

@@ -2,26 +2,30 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/kind.h"
+#include "base/spline.h"
 #include "field/potential/blob.h"
 #include "morph/liquid/blob_shape.h"
+#include "morph/liquid/match.h"
 
 namespace kelpie {
 
 /// How blobs find their partners, and what becomes of them on the way.
 enum class Correspondence {
-  transport, ///< optimal transport of the potentials' mass, which is kept on the way (match_transport.h)
+  flow, ///< optimal transport of the potentials' mass through the bodies, where parts keep the liquid even (body_graph.h, local_balance.h)
+  transport, ///< the same by straight ways, from centre of mass to centre of mass
   cellular,  ///< the paper's: nearest spheres are partners (eq. 5), and their parameters move linearly
 };
 
 template <>
 struct EnumNames<Correspondence> {
-  static constexpr std::array<std::pair<std::string_view, Correspondence>, 2> values{
-      {{"transport", Correspondence::transport}, {"cellular", Correspondence::cellular}}};
+  static constexpr std::array<std::pair<std::string_view, Correspondence>, 3> values{
+      {{"flow", Correspondence::flow}, {"transport", Correspondence::transport}, {"cellular", Correspondence::cellular}}};
 };
 
 /// What becomes of the volume between the ends.
@@ -31,6 +35,18 @@ template <>
 struct EnumNames<VolumeRule> {
   static constexpr std::array<std::pair<std::string_view, VolumeRule>, 2> values{
       {{"free", VolumeRule::free}, {"linear", VolumeRule::linear}}};
+};
+
+/// What the liquid is at its ends.
+enum class LiquidEnds {
+  exact,  ///< the two clouds
+  molten, ///< as smooth as between: whatever hides the ends melts into it and sets from it (of Correspondence::flow only)
+};
+
+template <>
+struct EnumNames<LiquidEnds> {
+  static constexpr std::array<std::pair<std::string_view, LiquidEnds>, 2> values{
+      {{"exact", LiquidEnds::exact}, {"molten", LiquidEnds::molten}}};
 };
 
 /// Where the matter of a blob was at the beginning and will be at the end.
@@ -43,9 +59,9 @@ class LiquidMorph {
 public:
   /// Neither cloud may be empty. Takes some tenths of a second for clouds of some hundred blobs with
   /// VolumeRule::linear; the result does not depend on the number of threads.
-  LiquidMorph(const BlobCloud& from, const BlobCloud& to, Correspondence, VolumeRule);
+  LiquidMorph(const BlobCloud& from, const BlobCloud& to, Correspondence, VolumeRule, LiquidEnds = LiquidEnds::exact);
 
-  /// Appends the blobs at `progress` in [0, 1]: at 0 exactly `from`, at 1 exactly `to`, and the field
+  /// Appends the blobs at `progress` in [0, 1]: at 0 exactly `from`, at 1 exactly `to` (LiquidEnds::exact), and the field
   /// changes continuously in between. Centres move linearly. With Correspondence::cellular so do the radius e, the
   /// stiffness B and the weight w (blob_shape.h); with transport the radius R and the mass W R^3 do. Under VolumeRule::linear all weights
   /// bear a common factor by which the volume where the sum exceeds 1 changes linearly.
@@ -69,18 +85,29 @@ private:
   };
   struct Part {
     End from, to;
+    float from_share = 1, to_share = 1;      ///< of its blobs
+    Spline<Vec3d> path;                      ///< of its centre
+    std::optional<Spline<double>> balance{}; ///< the logarithm of its weight's own factor; none: 1
   };
   static bool is_of_two_falloffs(const Part& p) { return p.from.falloff != p.to.falloff; }
   Blob interpolate(const Part&, float progress, float gain) const;
   void append_parts(float progress, float gain, BlobCloud& out) const;
+  void add_parts(const std::vector<Link>&, const BodyGraph*);
+  bool is_molten() const { return how_ == Correspondence::flow && ends_ == LiquidEnds::molten; }
+  float away_from_end(float progress) const;
+  float flow_radius(const Part&, float progress) const;
+  void find_balance();
   void find_gains();
   float gain_at(float progress) const;
 
   BlobCloud from_, to_;
+  Box3 box_;              ///< of the supports of both
+  float drop_radius_ = 0; ///< the least radius of influence on the way
   Correspondence how_;
+  LiquidEnds ends_;
   std::vector<Part> parts_;
   std::vector<uint32_t> part_of_blob_; ///< of what append_parts appends
-  std::vector<float> gain_;            ///< the factor of all weights that keeps the volume linear, at equal steps of progress
+  std::optional<Spline<double>> gain_; ///< the factor of all weights that keeps the volume linear; none: 1
 };
 
 } // namespace kelpie

@@ -1,9 +1,10 @@
-#include "morph/liquid/match_transport.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "base/parallel.h"
+#include "morph/liquid/body_graph.h"
+#include "morph/liquid/match.h"
+
 namespace kelpie {
 
 namespace {
@@ -19,39 +20,44 @@ constexpr double k_radius_cost = 0.01;
 /// Parts of less than this share of both of their blobs are left out.
 constexpr double k_least_share = 0.07;
 
-/// A blob as a point with mass.
+/// A blob as a point with mass, in the canonical frame.
 struct Parcel {
   Vec3d place{0};
   double mass = 0; ///< the sum of all is 1
   double log_radius = 0;
 };
 
-std::vector<Parcel> parcels(const BlobCloud& cloud) {
+/// The blobs of a cloud in its canonical frame.
+struct Parcels {
   std::vector<Parcel> all;
-  double total = 0, spread = 0;
-  Vec3d sum(0);
-  for (const Blob& b : cloud) {
-    const double r = b.radius, mass = std::max(std::abs(double(b.weight)), 1e-6) * r * r * r;
-    all.push_back({Vec3d(b.centre), mass, std::log2(r)});
-    total += mass, sum += mass * Vec3d(b.centre);
+  double size = 1; ///< the root of the mean square distance from the centre of mass, in scene units
+
+  explicit Parcels(const BlobCloud& cloud) {
+    double total = 0, spread = 0;
+    Vec3d sum(0);
+    for (const Blob& b : cloud) {
+      const double r = b.radius, mass = std::max(std::abs(double(b.weight)), 1e-6) * r * r * r;
+      all.push_back({Vec3d(b.centre), mass, std::log2(r)});
+      total += mass, sum += mass * Vec3d(b.centre);
+    }
+    const Vec3d centre = sum / total;
+    for (const Parcel& p : all) spread += p.mass * glm::dot(p.place - centre, p.place - centre);
+    size = spread > 0 ? std::sqrt(spread / total) : double(cloud[0].radius);
+    for (Parcel& p : all) p.place = (p.place - centre) / size, p.mass /= total, p.log_radius -= std::log2(size);
   }
-  const Vec3d centre = sum / total;
-  for (const Parcel& p : all) spread += p.mass * glm::dot(p.place - centre, p.place - centre);
-  const double size = spread > 0 ? std::sqrt(spread / total) : double(cloud[0].radius);
-  for (Parcel& p : all) p.place = (p.place - centre) / size, p.mass /= total, p.log_radius -= std::log2(size);
-  return all;
-}
+};
 
 /// Sinkhorn's iteration on logarithms: plan_ij = a_i b_j exp((f_i + g_j - cost_ij) / blur).
 class Sinkhorn {
 public:
-  Sinkhorn(const std::vector<Parcel>& a, const std::vector<Parcel>& b)
+  /// squared_way(i, j) in the canonical frame.
+  template <class Way>
+  Sinkhorn(const std::vector<Parcel>& a, const std::vector<Parcel>& b, Way&& squared_way)
       : a_(a), b_(b), cost_(a.size() * b.size()), f_(a.size(), 0), g_(b.size(), 0) {
     for (size_t i = 0; i < a.size(); ++i)
       for (size_t j = 0; j < b.size(); ++j) {
-        const Vec3d d = a[i].place - b[j].place;
         const double r = a[i].log_radius - b[j].log_radius;
-        cost_[i * b.size() + j] = glm::dot(d, d) + k_radius_cost * r * r;
+        cost_[i * b.size() + j] = squared_way(i, j) + k_radius_cost * r * r;
       }
     for (blur_ = k_first_blur;; blur_ = std::max(blur_ * k_blur_factor, k_last_blur)) {
       const bool is_last = blur_ <= k_last_blur;
@@ -85,11 +91,7 @@ private:
   double blur_ = k_first_blur;
 };
 
-} // namespace
-
-std::vector<Link> match_transport(const BlobCloud& from, const BlobCloud& to) {
-  const std::vector<Parcel> a = parcels(from), b = parcels(to);
-  const Sinkhorn transport(a, b);
+std::vector<Link> links_of(const Sinkhorn& transport, const std::vector<Parcel>& a, const std::vector<Parcel>& b) {
   std::vector<double> plan(a.size() * b.size()), row_most(a.size(), 0), column_most(b.size(), 0);
   for (size_t i = 0; i < a.size(); ++i)
     for (size_t j = 0; j < b.size(); ++j) {
@@ -112,6 +114,27 @@ std::vector<Link> match_transport(const BlobCloud& from, const BlobCloud& to) {
     l.to_share = column[l.to] > 0 ? static_cast<float>(p / column[l.to]) : 1;
   }
   return links;
+}
+
+} // namespace
+
+std::vector<Link> match_transport(const BlobCloud& from, const BlobCloud& to) {
+  const Parcels a(from), b(to);
+  const auto straight = [&](size_t i, size_t j) {
+    const Vec3d d = a.all[i].place - b.all[j].place;
+    return glm::dot(d, d);
+  };
+  return links_of(Sinkhorn(a.all, b.all, straight), a.all, b.all);
+}
+
+std::vector<Link> match_transport(const BlobCloud& from, const BlobCloud& to, const BodyGraph& bodies) {
+  const Parcels a(from), b(to);
+  const double size = 0.5 * (a.size + b.size);
+  const auto through = [&](size_t i, size_t j) {
+    const double way = bodies.length(i, j) / size;
+    return way * way;
+  };
+  return links_of(Sinkhorn(a.all, b.all, through), a.all, b.all);
 }
 
 } // namespace kelpie

@@ -8,10 +8,10 @@ namespace kelpie {
 struct Hit {
   float t = 0;
   Vec3 position{0};
-  Vec3 normal{0};     ///< unit, out of the shape (for a plane: its upper side); smooth on a mesh. It faces the ray
-                      ///< where the surface does
-  uint32_t shape = 0; ///< index into FrameScene::shapes
-  uint32_t cell = 0;  ///< of `slab`
+  Vec3 normal{0};                   ///< unit, out of the shape (for a plane: its upper side); smooth on a mesh. It faces the ray
+                                    ///< where the surface does
+  uint32_t shape = 0;               ///< index into FrameScene::shapes
+  uint32_t cell = 0;                ///< of `slab`
   const ShapeCells* slab = nullptr; ///< the shape's cells at the ray's time; null where it is geometry
   float time = 0;                   ///< the ray's
   float epsilon = 0;                ///< offset of secondary rays along the normal, on the side where they start

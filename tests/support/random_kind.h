@@ -134,7 +134,7 @@ Kind<SampledMode> random_kind(Random& r) {
   }
   if constexpr (requires { kind.morph; })
     kind.morph = std::make_shared<const LiquidMorph>(random_cloud(r, 1 + r.below(9), 0.5), random_cloud(r, 1 + r.below(9), 0.5),
-                                                     kind.correspondence, kind.volume);
+                                                     kind.correspondence, kind.volume, kind.ends);
   return kind;
 }
 

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "morph/liquid/blob_shape.h"
-#include "morph/liquid/match_transport.h"
 
 namespace kelpie {
 
@@ -49,9 +48,10 @@ size_t nearest(const Sphere& s, const std::vector<Sphere>& others) {
   return best;
 }
 
-/// Links every sphere with its nearest on the other side; a blob of weight w and k partners splits into
-/// k of weight w/k.
-std::vector<Link> match_cellular(const std::vector<Sphere>& a, const std::vector<Sphere>& b) {
+} // namespace
+
+std::vector<Link> match_cellular(const BlobCloud& from, const BlobCloud& to) {
+  const std::vector<Sphere> a = canonical(from), b = canonical(to);
   std::vector<std::vector<char>> linked(a.size(), std::vector<char>(b.size(), 0));
   for (size_t i = 0; i < a.size(); ++i) linked[i][nearest(a[i], b)] = 1;
   for (size_t j = 0; j < b.size(); ++j) linked[nearest(b[j], a)][j] = 1;
@@ -62,12 +62,6 @@ std::vector<Link> match_cellular(const std::vector<Sphere>& a, const std::vector
       if (linked[i][j]) links.push_back({i, j, 1, 1}), ++from_count[i], ++to_count[j];
   for (Link& l : links) l.from_share = 1.f / from_count[l.from], l.to_share = 1.f / to_count[l.to];
   return links;
-}
-
-} // namespace
-
-std::vector<Link> match_blobs(const BlobCloud& from, const BlobCloud& to, Correspondence how) {
-  return how == Correspondence::cellular ? match_cellular(canonical(from), canonical(to)) : match_transport(from, to);
 }
 
 } // namespace kelpie
