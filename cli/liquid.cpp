@@ -13,6 +13,7 @@
 #include "cli/fit_options.h"
 #include "cli/liquid_end.h"
 #include "cli/liquid_scene.h"
+#include "cli/number_check.h"
 #include "cli/render.h"
 #include "materials/presets.h"
 #include "renderer/output/sequence.h"
@@ -103,7 +104,7 @@ void add_liquid(CLI::App& app) {
   command
       .add_option("--turn", options->turn,
                   "how far the second mesh is turned about the vertical: degrees, or `auto`: so that it lies best in the first")
-      ->check([](const std::string& text) { return text == "auto" ? std::string() : CLI::Number(text); })
+      ->check([](const std::string& text) { return text == "auto" ? std::string() : number_between(-360, 360)(text); })
       ->capture_default_str();
   command
       .add_option("--ends", options->ends,

@@ -70,7 +70,9 @@ TEST_F(LiquidEnds, AreTurnedToLieInOneAnother) {
   const FieldProgram last = field_at(96);
   EXPECT_GT(evaluate(last, last.code, Point3<double>{1.2, 0.4, 0}), last.threshold); // along x, as the first one
   EXPECT_LT(evaluate(last, last.code, Point3<double>{0, 0.4, 1.2}), last.threshold);
-  ASSERT_EQ(shell("$KELPIE liquid bar.off bar.off --turn 5x --save-scene a.json 2>/dev/null"), 2);
+  for (const char* turn : {"5x", "nan", "inf", "1e9"})
+    EXPECT_EQ(shell(std::string("$KELPIE liquid bar.off bar.off --save-scene a.json 2>/dev/null --turn ") + turn), 2) << turn;
+  EXPECT_FALSE(std::filesystem::exists(path("a.json")));
 }
 
 } // namespace
