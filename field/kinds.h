@@ -127,13 +127,18 @@ concept Skeleton = SolidSkeleton<K> || SignedDistance<K>;
 template <class K>
 concept MovingSkeleton = Skeleton<K> &&(
     requires(const K k) { k.displacement_from(k); } || requires(const K k) { k.displacement_from(k, Box3d{}); });
+/// Adds skeletons behind the root of its field when a frame is compiled: `for_each_piece(divisions, emit)` calls emit(skeleton) for as many,
+/// of the same kinds and in the same order, as any other state of it does. An operator has them as operands.
+template <class K>
+concept HasPieces = requires(const K k) {
+  k.expansion;
+};
 /// Becomes a union of skeletons when a frame is compiled: `Divisions divisions() const` says how finely, for its detail, and
 /// `for_each_piece(divisions, emit)` calls emit(skeleton) for as many skeletons, of the same kinds and in the same order, as any
 /// other state of it does for these divisions. They live in a space of their own if it has `Affine parent_from_pieces()`.
 template <class K>
-concept ComplexPrimitive = requires(const K k) {
+concept ComplexPrimitive = HasPieces<K> && requires(const K k) {
   { k.divisions() } -> std::same_as<Divisions>;
-  k.expansion;
 };
 /// Joins the values of its operands (field/operators/operator.h).
 template <class K>

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "scene/check_axes.h"
+#include "scene/check_distances.h"
 #include "scene/check_scene.h"
 #include "scene/include_files.h"
 #include "scene/library.h"
@@ -43,7 +44,7 @@ Scene read_scene(const std::string& path, const ReadOptions& options, Diagnostic
   for (const JsonValue& v : libraries) check_library(v, scene, reader);
   check_names(document, problems);
   link_parts(reader.nodes(), scene, document, problems);
-  if (problems.is_empty()) check_scene(scene, document, problems);
+  if (problems.is_empty()) check_scene(scene, document, problems), check_distances(scene, problems);
   check_axes(reader.nodes(), document, problems);
   load_assets(reader, scene, options.use_cache, problems, diagnostics);
   if (problems.is_empty()) check_size(scene, problems);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/sample_record.h"
+#include "morph/feature/open_distances.h"
 #include "morph/field_fold.h"
 #include "scene/pixel_scale.h"
 
@@ -80,6 +81,7 @@ SampledField sample_field(const FieldNode& root, double frame, float threshold, 
     auto sampled = sample_record(kind, time.at(frame), nodes.data(), named.data());
     place_surface(sampled, threshold, node.where);
     field.nodes.emplace_back(std::move(sampled));
+    if constexpr (std::is_same_v<std::decay_t<decltype(kind)>, Metamorphosis<AnimatedMode>>) open_distances(field, field.nodes.size() - 1);
     const MaterialIndex own = materials(node.material, time);
     if (own.is_set() || std::any_of(named.begin(), named.end(), [](MaterialIndex m) { return m.is_set(); })) {
       field.materials.resize(field.nodes.size());

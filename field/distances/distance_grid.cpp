@@ -4,10 +4,12 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <mutex>
 
 #include <xxhash.h>
 
 #include "base/parallel.h"
+#include "field/distances/far_distances.h"
 
 namespace kelpie {
 
@@ -101,8 +103,20 @@ GridValue<Interval> range_of(const float* first, int side, const std::array<int,
 
 } // namespace
 
-DistanceGrid::DistanceGrid(const Box3d& box, double voxel, double band, const Distance& distance)
-    : voxel_(voxel), band_(static_cast<float>(band)) { // as samples are
+struct DistanceGrid::Far {
+  std::once_flag once;
+  std::shared_ptr<const FarDistances> made;
+};
+
+DistanceGrid::DistanceGrid() : far_(std::make_shared<Far>()) {}
+
+std::shared_ptr<const FarDistances> DistanceGrid::far() const {
+  std::call_once(far_->once, [&] { far_->made = std::make_shared<const FarDistances>(*this); });
+  return far_->made;
+}
+
+DistanceGrid::DistanceGrid(const Box3d& box, double voxel, double band, const Distance& distance) : DistanceGrid() {
+  voxel_ = voxel, band_ = static_cast<float>(band); // as samples are
   const Vec3d extent = box.extent() + 2 * voxel;
   Vec3d size;
   for (int i = 0; i < 3; ++i) {

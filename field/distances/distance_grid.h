@@ -8,13 +8,14 @@
 
 #include <array>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/box.h"
-#include "base/interval.h"
+#include "base/dual.h"
 
 namespace kelpie {
 
@@ -24,6 +25,8 @@ struct GridValue {
   T value;
   std::array<T, 3> slopes;
 };
+
+class FarDistances;
 
 class DistanceGrid {
 public:
@@ -52,6 +55,8 @@ public:
   /// Beyond them all are `band`.
   std::array<int, 3> sample_count() const { return {count_[0] * k_cells, count_[1] * k_cells, count_[2] * k_cells}; }
   double sample(const std::array<int, 3>& place) const;
+  /// How its distances go on beyond the band (field/distances/far_distances.h); made when it is first asked for.
+  std::shared_ptr<const FarDistances> far() const;
   size_t bytes() const { return samples_.size() * sizeof(float) + bricks_.size() * sizeof(Brick); }
 
 private:
@@ -74,10 +79,11 @@ private:
     std::array<int32_t, 4> count{};
     uint64_t hash = 0; ///< of all that follows
   };
+  struct Far; ///< made once
   /// The samples of each brick's own voxels; of one that is constant none.
   using OwnSamples = std::vector<std::vector<float>>;
 
-  DistanceGrid() = default;
+  DistanceGrid();
   Place place(size_t index) const {
     const auto nx = size_t(count_[0]), ny = size_t(count_[1]);
     return {int(index % nx), int(index / nx % ny), int(index / nx / ny)};
@@ -102,6 +108,19 @@ private:
   Place count_{}; ///< of bricks
   std::vector<Brick> bricks_;
   std::vector<float> samples_; ///< bricks of k_volume, from one before the brick on: x, then y, then z; in scene units
+  std::shared_ptr<Far> far_;
 };
+
+/// The distance of a grid at a point of any number type.
+inline double distance_in(const DistanceGrid& grid, const Point3<double>& p) { return grid.at(p).value; }
+inline Interval distance_in(const DistanceGrid& grid, const Point3<Interval>& p) { return grid.at(p).value; }
+template <class T, int N>
+Dual<T, N> distance_in(const DistanceGrid& grid, const Point3<Dual<T, N>>& p) {
+  const GridValue<T> at = grid.at(Point3<T>{p.x.value, p.y.value, p.z.value});
+  Dual<T, N> r;
+  r.value = at.value;
+  for (int i = 0; i < N; ++i) r.d[i] = at.slopes[0] * p.x.d[i] + at.slopes[1] * p.y.d[i] + at.slopes[2] * p.z.d[i];
+  return r;
+}
 
 } // namespace kelpie

@@ -1,10 +1,11 @@
 #pragma once
 
 #include <compare>
+#include <limits>
 #include <memory>
 
 #include "field/distances/distance_field.h"
-#include "field/distances/distance_grid.h"
+#include "field/distances/far_distances.h"
 #include "field/mesh/mesh.h"
 
 namespace kelpie {
@@ -49,6 +50,7 @@ Sorkine-Hornung 2013, Barill et al. 2018 (winding numbers).)";
   DistanceFalloff falloff = DistanceFalloff::distance;
 
   std::shared_ptr<const DistanceGrid> grid; ///< filled by the reader
+  std::shared_ptr<const FarDistances> far;  ///< of a field that is to reach farther than the grid (morph/feature/open_distances.h)
 
   static constexpr auto parameters() {
     return std::tuple{
@@ -71,24 +73,20 @@ Sorkine-Hornung 2013, Barill et al. 2018 (winding numbers).)";
 
   // Sampled:
 
-  Box3 support() const { return rounded_outward(grid->box()); }
-  double reach() const { return radius > 0 ? std::min(double(radius), grid->band()) : grid->band(); }
-  double most_reach() const { return grid->band(); }
+  Box3 support() const { return rounded_outward(far ? grid->box().padded(reach()) : grid->box()); }
+  Box3d solid_box() const { return grid->box(); }
+  double reach() const { return radius > 0 ? std::min(double(radius), most_reach()) : grid->band(); }
+  double most_reach() const { return far ? std::numeric_limits<double>::infinity() : grid->band(); }
   /// Cells need not be much smaller.
   double feature_size() const { return 4 * grid->voxel(); }
 
   /// The surface stands: it is warps that move it.
   double displacement_from(const SdfMesh&) const { return 0; }
 
-  double signed_distance(const Point3<double>& p) const { return grid->at(p).value; }
-  Interval signed_distance(const Point3<Interval>& p) const { return grid->at(p).value; }
-  template <class T, int N>
-  Dual<T, N> signed_distance(const Point3<Dual<T, N>>& p) const {
-    const GridValue<T> at = grid->at(Point3<T>{p.x.value, p.y.value, p.z.value});
-    Dual<T, N> r;
-    r.value = at.value;
-    for (int i = 0; i < N; ++i) r.d[i] = at.slopes[0] * p.x.d[i] + at.slopes[1] * p.y.d[i] + at.slopes[2] * p.z.d[i];
-    return r;
+  template <class Real>
+  Real signed_distance(const Point3<Real>& p) const {
+    const Real near = distance_in(*grid, p);
+    return far ? far->extend(near, p) : near;
   }
 };
 

@@ -187,11 +187,11 @@ private:
     std::vector<Interval> operands;
     for (uint32_t i = 0; i < step.count; ++i) operands.push_back(ranges_[code_.operands[step.first + i]]);
     std::vector<char> kept(operands.size(), true);
-    const Interval threshold = threshold_range(program_);
-    kind.keep(operands, threshold.lo, demand, kept);
-    if (threshold.width() > 0) { // what can matter at either end can matter between
+    kind.keep(operands, program_.threshold, demand, kept);
+    if (program_.motion) { // what can matter at either end can matter between
       std::vector<char> at_end(operands.size(), true);
-      kind.keep(operands, threshold.hi, demand, at_end);
+      const FieldProgram& end = program_.motion->end;
+      std::get<Kind>(end.field.nodes[step.node]).keep(operands, end.threshold, demand, at_end);
       for (size_t i = 0; i < kept.size(); ++i) kept[i] = kept[i] || at_end[i];
     }
     const auto count = static_cast<size_t>(std::count(kept.begin(), kept.end(), char(true)));

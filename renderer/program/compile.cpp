@@ -38,7 +38,7 @@ std::vector<LeafIdentity> identities_of_pieces(const SampledField& field) {
   for (uint32_t node = 0; node <= field.root(); ++node)
     std::visit(
         [&]<class Kind>(const Kind& kind) {
-          if constexpr (ComplexPrimitive<Kind>)
+          if constexpr (HasPieces<Kind>)
             for (uint32_t i = 0; i < kind.expansion.count; ++i) out[kind.expansion.first + i - field.root() - 1] = {node, i};
         },
         field.nodes[node]);

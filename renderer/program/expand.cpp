@@ -7,14 +7,15 @@ namespace {
 using Nodes = std::vector<FieldKinds::Variant<SampledMode>>;
 
 /// Whether there is anything to expand.
-bool is_complex(const FieldKinds::Variant<SampledMode>& node) {
-  return std::visit([]<class Kind>(const Kind&) { return ComplexPrimitive<Kind>; }, node);
+bool has_pieces(const FieldKinds::Variant<SampledMode>& node) {
+  return std::visit([]<class Kind>(const Kind&) { return HasPieces<Kind>; }, node);
 }
 
 template <class Kind>
 void expand_node(std::span<SampledField> moments, size_t index) {
   Divisions divisions;
-  for (const SampledField& field : moments) extend(divisions, std::get<Kind>(field.nodes[index]).divisions());
+  if constexpr (ComplexPrimitive<Kind>)
+    for (const SampledField& field : moments) extend(divisions, std::get<Kind>(field.nodes[index]).divisions());
   for (SampledField& field : moments) {
     Nodes& nodes = field.nodes;
     Kind kind = std::move(std::get<Kind>(nodes[index])); // out of the list while that grows
@@ -29,11 +30,11 @@ void expand_node(std::span<SampledField> moments, size_t index) {
 
 void expand(std::span<SampledField> moments) {
   const size_t count = moments[0].nodes.size();
-  if (moments[0].piece_count > 0 || std::none_of(moments[0].nodes.begin(), moments[0].nodes.end(), is_complex)) return;
+  if (moments[0].piece_count > 0 || std::none_of(moments[0].nodes.begin(), moments[0].nodes.end(), has_pieces)) return;
   for (size_t i = 0; i < count; ++i)
     std::visit(
         [&]<class Kind>(const Kind&) {
-          if constexpr (ComplexPrimitive<Kind>) expand_node<Kind>(moments, i);
+          if constexpr (HasPieces<Kind>) expand_node<Kind>(moments, i);
         },
         moments[0].nodes[i]);
   for (SampledField& field : moments) {
