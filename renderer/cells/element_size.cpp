@@ -10,6 +10,10 @@ namespace {
 /// An element is thin if it is this many times as long as wide. All elements of pictures so far are less so.
 constexpr double k_thin = 64;
 
+/// A signed distance that reaches as many times farther than its solid is thick is there for its values (below a metamorphosis). Such cells
+/// are solved as code, and want to be this small a part of the thickness: then few of many objects count in each.
+constexpr double k_far_reach = 16, k_far_size = 0.25;
+
 /// A lower bound of what the affine maps from a space to the world do to lengths (the Frobenius norm of
 /// the inverse bounds its largest singular value). Warps that are not affine count as if they kept lengths:
 /// this only chooses the size of cells and the offset of secondary rays.
@@ -36,6 +40,8 @@ double skeleton_radius(const FieldProgram& program, uint32_t node) {
   return visit_skeleton(program, node, [](const auto& kind) -> double {
     if constexpr (requires { kind.feature_size(); }) return kind.feature_size();
     const Vec3 e = kind.support().extent();
+    if constexpr (requires { kind.inner_radius(); })
+      if (kind.reach() > k_far_reach * kind.inner_radius()) return k_far_size * kind.inner_radius();
     return 0.5 * double(std::min({e.x, e.y, e.z}));
   });
 }

@@ -291,6 +291,7 @@ double value(const Node& node, Vec p, double threshold) {
   for (const NodePtr& child : node.children) f.push_back(value(*child, p, threshold));
   if (node.kind == Kind::hyper_blend) return hyper_blend(f, node.n);
   if (node.kind == Kind::local_blend) return local_blend(f);
+  if (node.kind == Kind::mix) return mixed(*node.mix, f, threshold);
   const bool is_r = node.kind == Kind::r_unite || node.kind == Kind::r_intersect || node.kind == Kind::r_subtract;
   if (is_r && f.size() == 1) return std::max(0.0, f[0]);
   double result = f[0];

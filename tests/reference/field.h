@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/reference/axial.h"
+#include "tests/reference/metamorphosis.h"
 
 namespace reference {
 
@@ -77,6 +78,7 @@ struct Node {
     warp,
     hyper_blend,
     local_blend,
+    mix,
     r_unite,
     r_intersect,
     r_subtract,
@@ -97,6 +99,7 @@ struct Node {
   double angle = 0;                   ///< of a bend, in degrees
   double by = 1;                      ///< of a taper: the factor at its end
   std::shared_ptr<const Axial> axial; ///< prepared
+  std::shared_ptr<const Mix> mix;     ///< of a metamorphosis, whose children are its elements and then all that its features see
   int material = -1;                  ///< what it and all below it is made of, but for what says otherwise; -1: as what is above
 };
 

@@ -120,6 +120,9 @@ private:
     for (const Leaf& leaf : node.leaves)
       if (may_be_within(leaf, p, leaf.radius + reach)) least = std::min(least, leaf.radius);
     for (const NodePtr& child : node.children) least = std::min(least, smallest_radius(*child, p, reach));
+    if (node.kind == Node::Kind::mix) // weights change over the thickness of elements, which is much less than their reach
+      for (const auto& object : node.mix->objects)
+        for (const Element& e : object) least = std::min({least, e.size.x, e.size.y, e.size.z});
     return least;
   }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace reference {
 
@@ -75,6 +76,19 @@ std::vector<double> shares_of(const Node& node, Vec p, double threshold) {
       if (f[i] > f[best]) best = i;
     }
     for (size_t i = 0; i + 1 < f.size(); ++i) shares[i] = (sum > 0 ? region * std::max(0.0, f[i]) / sum : 0) + (i == best ? 1 - region : 0);
+    return shares;
+  }
+  case Kind::mix: {
+    const Mix& mix = *node.mix;
+    const size_t objects = mix.objects.size(), elements = f.size() - mix.features.size() * objects;
+    std::vector<double> distances;
+    for (size_t i = 0; i < elements; ++i) distances.push_back(f[i] / threshold - 1);
+    const std::vector<double> weights = feature_weights(mix, distances);
+    for (size_t i = 0; i < mix.features.size(); ++i) {
+      const std::vector<double>& row = mix.features[i].weights;
+      const double sum = std::accumulate(row.begin(), row.end(), 0.0);
+      for (size_t j = 0; j < objects; ++j) shares[elements + i * objects + j] = weights[i] * row[j] / sum;
+    }
     return shares;
   }
   case Kind::unite:

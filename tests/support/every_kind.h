@@ -61,7 +61,9 @@ public:
       else if constexpr (Operator<K>)
         operators_.push_back([](Random& r, SampledField& field, const Nodes& children) {
           K k = random_kind<Kind>(r);
-          k.children = children;
+          if constexpr (requires { k.children; }) k.children = children;
+          if constexpr (requires { k.objects; })
+            for (size_t j = 0; j < k.objects.size(); ++j) k.objects[j].field = children[j % children.size()];
           if constexpr (requires { k.region; }) k.region = add(field, random_leaf<Disc>(r));
           if constexpr (requires { k.n; }) k.n = float(r.log_uniform(0.4, 30));
           return add(field, k);

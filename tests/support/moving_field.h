@@ -135,7 +135,7 @@ inline Tallies judge_moving_rays(const MovingField& field, std::array<float, 2> 
 
 /// Whether a kind moves within a slab by its own numbers, and by nothing else: not what is folded into others, or becomes others.
 template <class K>
-concept MovesByItself = MovingSkeleton<K> || MovingWarp<K> || Operator<K>;
+concept MovesByItself = MovingSkeleton<K> || MovingWarp<K> ||(Operator<K> && !HasOwnOperands<K>);
 
 /// A random tree of which every kind that does so moves by itself, about as far as things do in a slab: less than the thinnest of them
 /// reaches. Any picture of it is the tree of the numbers between.

@@ -108,6 +108,37 @@ inline void randomise(std::vector<AxialAxis<SampledMode>>& axes, const Parameter
   }
 }
 
+/// Elements that are turned by no more than half a right angle from one another.
+inline void randomise(std::vector<MorphObject<SampledMode>>& objects, const ParameterRules&, Random& r) {
+  objects.resize(2 + size_t(r.below(2)));
+  const Vec3d axis = r.direction(), across = r.direction();
+  for (const std::string name : {"a", "b", "c"}) {
+    const Vec3d at = r.in(Box3d{Vec3d(-0.8), Vec3d(0.8)});
+    for (auto& object : objects) {
+      if (r.below(6) == 0) continue;
+      FeatureElement<SampledMode>& e = object.elements.emplace_back();
+      e.name = name, e.centre = Vec3(at + 0.3 * r.direction());
+      for (int i = 0; i < 3; ++i) e.size[i] = float(r.uniform(0.3, 1.2));
+      const Vec3d y = glm::normalize(axis + 0.3 * r.direction());
+      e.axis = Vec3(y), e.across = Vec3(glm::cross(y, across) + 0.2 * r.direction()), e.rounding = float(r.uniform(0, 0.1));
+    }
+  }
+  for (auto& object : objects) object.weight = float(r.uniform(0.1, 2));
+}
+/// At times less of one object, or none.
+inline void randomise(std::vector<MorphFeature<SampledMode>>&, const ParameterRules&, Random&) {}
+inline void add_random_features(Metamorphosis<SampledMode>& kind, Random& r) {
+  for (const std::string name : {"b", "background"}) {
+    const bool is_there = std::any_of(kind.objects.begin(), kind.objects.end(), [&](const auto& o) { return o.element(name); });
+    if (name == "b" ? !is_there : r.below(2) == 0) continue;
+    MorphFeature<SampledMode>& feature = kind.features.emplace_back();
+    feature.name = name, feature.offset = float(r.uniform(-0.05, 0.1)), feature.offset_reach = r.uniform(0.05, 0.5);
+    for (size_t j = 0; j < kind.objects.size(); ++j) feature.weights.push_back(float(r.below(3) ? r.uniform(0, 1) : 0.0));
+    feature.weights[0] += 0.1f;
+  }
+  kind.reach = 4;
+}
+
 /// A sampled kind with random parameters and, where it has files, random contents.
 template <template <class> class Kind>
 Kind<SampledMode> random_kind(Random& r) {
@@ -115,7 +146,9 @@ Kind<SampledMode> random_kind(Random& r) {
   std::apply([&](const auto&... row) { (randomise(kind.*(row.member), row, r), ...); }, Kind<SampledMode>::parameters());
   if constexpr (requires { kind.grid; }) kind.grid = random_distance_grid(r);
   if constexpr (requires { kind.cloud; }) kind.cloud = std::make_shared<const BlobCloud>(random_cloud(r, 1 + r.below(9), -1));
+  if constexpr (std::is_same_v<Kind<SampledMode>, Metamorphosis<SampledMode>>) add_random_features(kind, r);
   if constexpr (requires { kind.prepare(); }) kind.prepare();
+  if constexpr (std::is_same_v<Kind<SampledMode>, Metamorphosis<SampledMode>>) kind.expansion.count = uint32_t(kind.element_count());
   if constexpr (std::is_same_v<Kind<SampledMode>, Patch<SampledMode>>) {
     kind.points.resize(BezierPatch::k_points * (1 + r.below(2)));
     for (Vec3& p : kind.points) p = Vec3(r.in(Box3d{Vec3d(-1), Vec3d(1)}));

@@ -270,6 +270,30 @@ inline std::shared_ptr<reference::Node> reference_below(const Affine& child_from
   return out;
 }
 
+inline std::shared_ptr<const reference::Mix> reference_of(const Metamorphosis<SampledMode>& k) {
+  auto mix = std::make_shared<reference::Mix>();
+  for (const auto& object : k.objects) {
+    std::vector<reference::Element>& own = mix->objects.emplace_back();
+    for (const auto& e : object.elements)
+      own.push_back({e.name, reference_of(e.centre), reference_of(e.size), reference_of(e.axis), reference_of(e.across), e.rounding});
+  }
+  const auto widened = [](const std::vector<float>& v) { return std::vector<double>(v.begin(), v.end()); };
+  for (const auto& f : k.features)
+    mix->features.push_back({f.name, widened(f.weights), widened(f.frame_weights), f.offset, f.fade_length(), f.name == k_background});
+  mix->sharpness = k.sharpness, mix->margin = k.margin, mix->reach = k.reach;
+  return mix;
+}
+
+inline reference::NodePtr reference_element(const reference::Mix& mix, const reference::MixFeature& feature) {
+  const reference::Element e = mean_element(mix, feature);
+  auto out = std::make_shared<reference::Node>();
+  reference::Leaf leaf{.a = e.centre, .b = e.centre, .radius = mix.reach, .weight = 1, .shape = reference::Leaf::Shape::block};
+  leaf.falloff = reference::Falloff::distance, leaf.normal = e.axis, leaf.towards = e.across, leaf.size = e.size;
+  leaf.r = std::min(e.rounding, 0.5 * std::min({e.size.x, e.size.y, e.size.z}));
+  out->leaves = {leaf};
+  return out;
+}
+
 /// The subtree at `node`.
 inline reference::NodePtr reference_of(const SampledField& field, unsigned node, bool is_below_blend = false) {
   using Kind = reference::Node::Kind;
@@ -304,6 +328,18 @@ inline reference::NodePtr reference_of(const SampledField& field, unsigned node,
           for (const auto& axis : k.axes) axial->axes.push_back(reference_of(axis));
           axial->prepare();
           out->kind = Kind::axial, out->axial = axial, out->children = {reference_of(field, k.child, is_below_blend)};
+        } else if constexpr (std::is_same_v<S, Metamorphosis<SampledMode>>) {
+          const auto mix = reference_of(k);
+          out->kind = Kind::mix, out->mix = mix;
+          for (const auto& feature : mix->features)
+            if (!feature.is_background) out->children.push_back(reference_element(*mix, feature));
+          for (const auto& feature : mix->features)
+            for (size_t j = 0; j < k.objects.size(); ++j) {
+              auto seen = std::make_shared<reference::Node>();
+              seen->kind = Kind::warp, seen->child_from_parent = object_from_child(*mix, feature, j);
+              seen->children = {reference_of(field, k.objects[j].field, true)};
+              out->children.push_back(seen);
+            }
         } else if constexpr (Operator<S>) {
           out->kind = reference_kind_of(k, is_below_blend);
           if constexpr (std::is_same_v<S, HyperBlend<SampledMode>>) out->n = k.n;
