@@ -26,7 +26,7 @@ SampledField random_matter(unsigned trial) {
     for (int i = 0; i < count; ++i) nodes.push_back(random_tree(r, 1 + r.below(3), field));
     return nodes;
   };
-  switch (trial % 5) {
+  switch (trial % 6) {
   case 0: {
     HyperBlend<SampledMode> mix = random_kind<HyperBlend>(r);
     mix.n = float(r.log_uniform(0.7, 8)), mix.children = children(3);
@@ -51,6 +51,13 @@ SampledField random_matter(unsigned trial) {
     Blend<SampledMode> blend;
     blend.children = {add(field, smooth), children(1)[0]};
     add(field, blend);
+    break;
+  }
+  case 4: {
+    Metamorphosis<SampledMode> mix = random_kind<Metamorphosis>(r);
+    const std::vector<unsigned> objects = children(int(mix.objects.size()));
+    for (size_t j = 0; j < objects.size(); ++j) mix.objects[j].field = objects[j];
+    add(field, mix);
     break;
   }
   default: random_tree(r, 4, field);
