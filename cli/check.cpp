@@ -50,7 +50,7 @@ void check(const std::string& path, const RenderOptions& options) {
   set_activity(fmt::format("reading {}", path));
   Diagnostics diagnostics;
   Heartbeat reading(ProgressMode::automatic, fmt::format("reading {}", path));
-  Scene scene = read_scene(path, {options.set, options.allow_paths, !options.no_cache}, diagnostics);
+  Scene scene = read_scene(path, options.read_options(), diagnostics);
   reading.stop();
   const PixelBox window = apply_film_options(options, scene.film);
   const std::vector<int> frames = parse_frames(options.frames.value_or(fmt::format("{}-{}", scene.frames.first, scene.frames.last)));

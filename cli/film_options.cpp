@@ -64,6 +64,8 @@ void add_film_options(CLI::App& command, RenderOptions& o) {
   command.add_option("--quality", o.quality, "draft: half the size, an eighth of the samples; final: as the scene says")
       ->check(CLI::IsMember({"draft", "final"}));
   command.add_option("--set", o.set, "change a value of the scene: shapes.drop.threshold=1.1 (may be repeated)")->allow_extra_args(false);
+  command.add_option("--recipe", o.recipe, "one of the scene's recipes: values that it changes, before --set does")->option_text("NAME");
+  command.add_option("--recipes", o.recipes, "a file with further recipes (may be repeated)")->allow_extra_args(false)->option_text("FILE");
   command.add_option("--allow-path", o.allow_paths, "a folder outside the scene's own that its files may lie in (may be repeated)")
       ->allow_extra_args(false);
   command

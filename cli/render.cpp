@@ -112,7 +112,7 @@ void render_scene(const std::string& scene_path, const std::string& name, const 
 
   Diagnostics diagnostics;
   Heartbeat reading(options.progress, fmt::format("reading {}", scene_path));
-  Scene scene = read_scene(scene_path, {options.set, options.allow_paths, !options.no_cache}, diagnostics);
+  Scene scene = read_scene(scene_path, options.read_options(), diagnostics);
   reading.stop();
   print_warnings(diagnostics);
   const PixelBox window = apply_film_options(options, scene.film);
@@ -141,6 +141,7 @@ void add_render(CLI::App& app) {
   command.footer("Examples:\n"
                  "  kelpie render examples/blob.json -o 'out/blob.####.exr'\n"
                  "  kelpie render shot.json -f 12 --quality draft --res 50% -o look.exr\n"
+                 "  kelpie render chairs/breed.json --recipe child_b -o child_b.exr\n"
                  "  kelpie render shot.json --set shapes.drop.threshold=1.1 --skip-existing -o 'out/shot.####.exr'");
   command.callback([=] { render_scene(*scene, std::filesystem::path(*scene).stem().string(), *options); });
 }

@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/progress.h"
+#include "scene/reader.h"
 
 namespace kelpie {
 
@@ -27,6 +28,10 @@ struct RenderOptions {
   uint64_t max_memory = 0; ///< what building a frame may take, bytes; 0: no cap
   std::string ocio;        ///< an OCIO config, or empty
   std::vector<std::string> set, allow_paths;
+  std::string recipe;               ///< one of the scene's, or empty
+  std::vector<std::string> recipes; ///< further files with recipes
+
+  ReadOptions read_options() const { return {set, allow_paths, !no_cache, recipe, recipes}; }
 };
 
 /// Adds the options of RenderOptions to a command, with their help.

@@ -12,7 +12,8 @@ namespace kelpie {
 namespace {
 
 /// The objects that are merged, and what one entry is called.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 2> k_merged{{{"materials", "material"}, {"parts", "part"}}};
+constexpr std::array<std::pair<std::string_view, std::string_view>, 3> k_merged{
+    {{"materials", "material"}, {"parts", "part"}, {"recipes", "recipe"}}};
 
 /// The member of that name, if it is an object.
 JsonValue::Object* find_object(JsonValue& parent, std::string_view key) {

@@ -1,4 +1,4 @@
-// `include`: the parts and surfaces of other files become the scene's.
+// `include`: the parts, materials and recipes of other files become the scene's.
 #pragma once
 
 #include "scene/assets.h"
@@ -13,7 +13,7 @@ struct IncludeLimits {
   DocumentLimits all; ///< of all files together
 };
 
-/// Reads whatever the document's "include" names, and what that includes in turn, and moves its parts and surfaces into the
+/// Reads whatever the document's "include" names, and what that includes in turn, and moves its parts, materials and recipes into the
 /// document. Returns what is left of each file, for the reader to check against the table of libraries. Files that cannot
 /// be read, cycles and names that are taken go to `problems`.
 std::vector<JsonValue> include_files(Document&, const AssetFolder&, ProblemList&, const IncludeLimits& = {});

@@ -7,7 +7,7 @@ namespace kelpie {
 
 struct Library {
   static constexpr std::string_view k_name = "library";
-  static constexpr std::string_view k_doc = R"(A file of materials and parts, for scenes to `include`.
+  static constexpr std::string_view k_doc = R"(A file of materials, parts and recipes, for scenes to `include`.
 
     { "kelpie": 1, "parts": { "drop": { "kind": "point", "centre": [0, 0, 0], "radius": 1 } } }
 
@@ -22,6 +22,7 @@ For an editor: `"$schema": "schema.json#/$defs/library"`, with what `kelpie sche
   std::vector<std::string> include;
   decltype(Scene::materials) materials;
   decltype(Scene::parts) parts;
+  FreeObject recipes;
 
   static constexpr auto parameters() {
     return std::tuple{
@@ -31,6 +32,7 @@ For an editor: `"$schema": "schema.json#/$defs/library"`, with what `kelpie sche
         parameter("include", &Library::include, "further libraries"),
         parameter("materials", &Library::materials, "materials by name, for shapes and fields"),
         parameter("parts", &Library::parts, "fields by name, for instances"),
+        parameter("recipes", &Library::recipes, "variations of a scene by name, for `--recipe`"),
     };
   }
 };

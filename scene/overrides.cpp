@@ -40,24 +40,39 @@ std::optional<size_t> index_of(std::string_view step) {
 /// One assignment on its way through the document.
 class Override {
 public:
-  Override(Document& document, std::uint32_t source, ProblemList& problems) : document_(document), at_{0, 0, source}, problems_(problems) {}
+  Override(Document& document, TextPosition at, ProblemList& problems) : document_(document), at_(at), problems_(problems) {}
 
   void apply(std::string_view assignment) {
     const size_t equals = assignment.find('=');
     if (equals == 0 || equals == std::string_view::npos) return fail("expected path=value, such as shapes.drop.threshold=1.1");
-    const std::vector<std::string> steps = split(assignment.substr(0, equals));
-    const DocumentLimits limits;
-    if (steps.size() >= limits.depth) return fail("the path is too long");
-    JsonValue* target = &document_.root;
-    for (const std::string& step : steps) {
-      target = descend(*target, step);
-      if (!target) return;
-      walked_ += walked_.empty() ? step : "." + step;
-    }
-    if (std::optional<JsonValue> value = parse(assignment.substr(equals + 1), limits.depth - steps.size())) *target = std::move(*value);
+    const std::string_view path = assignment.substr(0, equals);
+    JsonValue* const target = find(path);
+    if (!target) return;
+    const size_t depth = size_t(std::count(path.begin(), path.end(), '.')) + 1;
+    if (std::optional<JsonValue> value = parse(assignment.substr(equals + 1), DocumentLimits{}.depth - depth)) *target = std::move(*value);
+  }
+
+  void apply(std::string_view path, JsonValue value) {
+    if (JsonValue* const target = find(path)) *target = std::move(value);
   }
 
 private:
+  /// Null after a problem.
+  JsonValue* find(std::string_view path) {
+    const std::vector<std::string> steps = split(path);
+    if (steps.size() >= DocumentLimits{}.depth) {
+      fail("the path is too long");
+      return nullptr;
+    }
+    JsonValue* target = &document_.root;
+    for (const std::string& step : steps) {
+      target = descend(*target, step);
+      if (!target) return nullptr;
+      walked_ += walked_.empty() ? step : "." + step;
+    }
+    return target;
+  }
+
   void fail(std::string message) { problems_.add(document_.where(at_), std::move(message)); }
 
   JsonValue* descend(JsonValue& parent, const std::string& step) {
@@ -122,8 +137,12 @@ void apply_overrides(Document& document, const std::vector<std::string>& assignm
   for (const std::string& assignment : assignments) {
     const auto source = static_cast<std::uint32_t>(document.sources.size());
     document.sources.push_back({"--set " + assignment, {}, true});
-    Override(document, source, problems).apply(assignment);
+    Override(document, {0, 0, source}, problems).apply(assignment);
   }
+}
+
+void apply_override(Document& document, std::string_view path, JsonValue value, TextPosition at, ProblemList& problems) {
+  Override(document, at, problems).apply(path, std::move(value));
 }
 
 } // namespace kelpie

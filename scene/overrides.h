@@ -10,4 +10,7 @@ namespace kelpie {
 /// yet are made (the reader knows whether they exist). The value is JSON, or else a bare string.
 void apply_overrides(Document&, const std::vector<std::string>& assignments, ProblemList&);
 
+/// The same of one path and its value, which stands at `at`.
+void apply_override(Document&, std::string_view path, JsonValue value, TextPosition at, ProblemList&);
+
 } // namespace kelpie

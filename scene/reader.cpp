@@ -1,7 +1,5 @@
 #include "scene/reader.h"
 
-#include <algorithm>
-
 #include "scene/check_axes.h"
 #include "scene/check_distances.h"
 #include "scene/check_scene.h"
@@ -10,6 +8,7 @@
 #include "scene/link_parts.h"
 #include "scene/load_assets.h"
 #include "scene/overrides.h"
+#include "scene/recipes.h"
 #include "scene/record_reader.h"
 
 namespace kelpie {
@@ -24,19 +23,52 @@ void check_library(const JsonValue& v, const Scene& scene, RecordReader& reader)
     reader.fail(*v.find("units"), fmt::format("units are {} here, but {} in the scene", *library.units, scene.units));
 }
 
+/// As if the scene's own list named them, too.
+void add_libraries(Document& document, const std::vector<std::string>& files) {
+  auto* members = std::get_if<JsonValue::Object>(&document.root.data);
+  if (!members) return;
+  for (const std::string& file : files) {
+    const TextPosition at{0, 0, static_cast<std::uint32_t>(document.sources.size())};
+    document.sources.push_back({"--recipes " + file, {}, true});
+    if (!document.root.find("include")) members->push_back({"include", at, {JsonValue::Array{}, at}});
+    for (JsonMember& m : *members)
+      if (auto* list = m.key == "include" ? std::get_if<JsonValue::Array>(&m.value.data) : nullptr) list->push_back({file, at});
+  }
+}
+
+/// Changes of the command line: to what is included, which may be changed as well once it is there, and the rest.
+struct Changes {
+  std::vector<std::string> of_include, rest;
+
+  explicit Changes(const std::vector<std::string>& set) {
+    for (const std::string& assignment : set) (assignment.starts_with("include") ? of_include : rest).push_back(assignment);
+  }
+};
+
+/// Brings what the scene includes into it; returns the rest of the files.
+std::vector<JsonValue> include(Document& document, const AssetFolder& folder, const ReadOptions& options, ProblemList& problems) {
+  apply_overrides(document, Changes(options.set).of_include, problems);
+  add_libraries(document, options.libraries);
+  return include_files(document, folder, problems);
+}
+
 } // namespace
+
+std::vector<std::string> read_recipe_names(const std::string& path, const ReadOptions& options) {
+  ProblemList problems;
+  Document document = read_document(path, problems);
+  include(document, AssetFolder(path, options.allow_paths), options, problems);
+  problems.throw_if_any();
+  return recipe_names(document);
+}
 
 Scene read_scene(const std::string& path, const ReadOptions& options, Diagnostics& diagnostics) {
   ProblemList problems;
   Document document = read_document(path, problems);
   const AssetFolder folder(path, options.allow_paths);
-  // What is included may be set as well, once it is there.
-  const auto is_of_include = [](const std::string& assignment) { return std::string_view(assignment).substr(0, 7) == "include"; };
-  std::vector<std::string> set = options.set;
-  const auto rest = std::stable_partition(set.begin(), set.end(), is_of_include);
-  apply_overrides(document, {set.begin(), rest}, problems);
-  const std::vector<JsonValue> libraries = include_files(document, folder, problems);
-  apply_overrides(document, {rest, set.end()}, problems);
+  const std::vector<JsonValue> libraries = include(document, folder, options, problems);
+  if (!options.recipe.empty()) apply_recipe(document, options.recipe, problems);
+  apply_overrides(document, Changes(options.set).rest, problems);
 
   RecordReader reader(document, folder, problems);
   Scene scene;
@@ -53,6 +85,7 @@ Scene read_scene(const std::string& path, const ReadOptions& options, Diagnostic
 
   // A picture is never black because nobody thought of light.
   if (scene.lights.empty()) scene.lights.push_back(EnvironmentLight<AnimatedMode>{});
+  remove_recipes(document);
   scene.hash = hash_scene(canonical_text(document.root), reader.asset_files());
   return scene;
 }

@@ -87,6 +87,7 @@ World space is right-handed, y up. Files that a scene names are relative to it.)
   std::vector<std::string> include;
   std::map<std::string, MaterialPtr> materials;
   std::map<std::string, FieldPtr> parts;
+  FreeObject recipes;
   Camera<AnimatedMode> camera;
   Film<AnimatedMode> film;
   std::vector<Light> lights;
@@ -110,6 +111,7 @@ World space is right-handed, y up. Files that a scene names are relative to it.)
         // What is referred to stands before what refers to it: this is the order of reading.
         parameter("materials", &Scene::materials, "materials by name, for shapes, fields and other materials"),
         parameter("parts", &Scene::parts, "fields by name, for any number of instances (`kelpie kinds instance`); not seen by themselves"),
+        parameter("recipes", &Scene::recipes, "variations by name, each of paths and values as `--set` has them; `--recipe` takes one"),
         parameter("camera", &Scene::camera, "where the picture is taken from"),
         parameter("film", &Scene::film, "size and quality of the picture"),
         parameter("lights", &Scene::lights, "all lights; where there is none, the studio environment lights the scene"),

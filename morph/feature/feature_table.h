@@ -53,12 +53,14 @@ struct MorphObject {
   static constexpr std::string_view k_name = "morph_object";
   static constexpr std::string_view k_doc = "A parent of a `metamorphosis`: a shape, and where its features are.";
 
+  std::string name;
   typename Mode::Child field{};
   Value<Mode, float> weight{1.f};
   std::vector<FeatureElement<Mode>> elements;
 
   static constexpr auto parameters() {
     return std::tuple{
+        parameter("name", &MorphObject::name, "what `--set` and recipes call it"),
         parameter("field", &MorphObject::field, "its shape, made of signed distances").required(),
         parameter("weight", &MorphObject::weight, "how much of it the features have that are not listed").at_least(0),
         parameter("elements", &MorphObject::elements, "where its features are"),
@@ -66,9 +68,9 @@ struct MorphObject {
   }
   friend bool operator==(const MorphObject&, const MorphObject&) = default;
 
-  const FeatureElement<Mode>* element(std::string_view name) const {
+  const FeatureElement<Mode>* element(std::string_view called) const {
     for (const auto& e : elements)
-      if (e.name == name) return &e;
+      if (e.name == called) return &e;
     return nullptr;
   }
 };
