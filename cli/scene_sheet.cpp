@@ -73,7 +73,7 @@ void plan_recipes(const std::string& scene, const VariationOptions& v, RenderOpt
   std::vector<std::string> names = v.recipes;
   if (v.random > 0) {
     const std::string file = folder + "/recipes.json", drawn = random_recipes(scene, v.random, v.seed);
-    write_file_atomically(file, drawn);
+    write_file_atomically(file, as_bytes(drawn));
     const std::vector<std::string> before = read_recipe_names(scene, options.read_options());
     options.recipes.push_back(file);
     for (const std::string& name : read_recipe_names(scene, options.read_options()))

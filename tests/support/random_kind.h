@@ -110,9 +110,9 @@ inline void randomise(std::vector<AxialAxis<SampledMode>>& axes, const Parameter
 
 /// Elements that are turned by no more than half a right angle from one another.
 inline void randomise(std::vector<MorphObject<SampledMode>>& objects, const ParameterRules&, Random& r) {
-  objects.resize(2 + size_t(r.below(2)));
+  objects.resize(r.below(4) ? 2 : 3);
   const Vec3d axis = r.direction(), across = r.direction();
-  for (const std::string name : {"a", "b", "c"}) {
+  for (const std::string name : {"a", "b"}) {
     const Vec3d at = r.in(Box3d{Vec3d(-0.8), Vec3d(0.8)});
     for (auto& object : objects) {
       if (r.below(6) == 0) continue;
@@ -130,7 +130,7 @@ inline void randomise(std::vector<MorphFeature<SampledMode>>&, const ParameterRu
 inline void add_random_features(Metamorphosis<SampledMode>& kind, Random& r) {
   for (const std::string name : {"b", "background"}) {
     const bool is_there = std::any_of(kind.objects.begin(), kind.objects.end(), [&](const auto& o) { return o.element(name); });
-    if (name == "b" ? !is_there : r.below(2) == 0) continue;
+    if (name == "b" ? !is_there : r.below(3) > 0) continue;
     MorphFeature<SampledMode>& feature = kind.features.emplace_back();
     feature.name = name, feature.offset = float(r.uniform(-0.05, 0.1)), feature.offset_reach = r.uniform(0.05, 0.5);
     for (size_t j = 0; j < kind.objects.size(); ++j) feature.weights.push_back(float(r.below(3) ? r.uniform(0, 1) : 0.0));
