@@ -32,7 +32,8 @@ void add_libraries(Document& document, const std::vector<std::string>& files) {
     document.sources.push_back({"--recipes " + file, {}, true});
     if (!document.root.find("include")) members->push_back({"include", at, {JsonValue::Array{}, at}});
     for (JsonMember& m : *members)
-      if (auto* list = m.key == "include" ? std::get_if<JsonValue::Array>(&m.value.data) : nullptr) list->push_back({file, at});
+      if (auto* list = m.key == "include" ? std::get_if<JsonValue::Array>(&m.value.data) : nullptr)
+        list->push_back({std::filesystem::absolute(file).string(), at}); // where the program runs, not where the scene lies
   }
 }
 
