@@ -12,6 +12,7 @@ namespace kelpie {
 
 void add_check(CLI::App&);
 void add_fit(CLI::App&);
+void add_features(CLI::App&);
 void add_kinds(CLI::App&);
 void add_liquid(CLI::App&);
 void add_movie(CLI::App&);
