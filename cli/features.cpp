@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <filesystem>
-#include <numbers>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -69,12 +68,20 @@ Json element_of(const std::string& name, const Solid& solid, const PartBox& part
   return e;
 }
 
+/// So many metres wide, about 1 high.
 Json scene_of(Json shapes, double width) {
-  return {{"kelpie", 1},
-          {"camera", {{"position", {0.6 * width, 1.1 + 0.3 * width, 1.9 + 1.2 * width}}, {"look_at", {0, 0.45, 0}}, {"fov", 32}}},
-          {"film", {{"resolution", {1280, 640}}, {"background", "#b9b4ac"}}},
-          {"lights", {{{"kind", "environment"}, {"preset", "studio"}}}},
-          {"shapes", std::move(shapes)}};
+  constexpr const char* k_ground = "#b9b4ac";
+  shapes.push_back({{"name", "floor"}, {"geometry", {{"kind", "plane"}}}, {"surface", {{"kind", "matte"}, {"colour", k_ground}}}});
+  const bool is_row = width > 1;
+  return {
+      {"kelpie", 1},
+      {"camera",
+       {{"position", {is_row ? 0.0 : 1.5, 0.9 + 0.3 * width, 1.4 + 1.3 * width}}, {"look_at", {0, 0.48, 0}}, {"fov", is_row ? 36 : 28}}},
+      {"film", {{"resolution", {is_row ? 1280 : 640, 640}}, {"background", k_ground}}},
+      {"lights",
+       {{{"kind", "environment"}, {"preset", "studio"}},
+        {{"kind", "sun"}, {"direction", {-1, 2.2, 1.6}}, {"strength", 1.6}, {"angle", 6}}}},
+      {"shapes", std::move(shapes)}};
 }
 
 Json metamorphosis(const std::vector<Solid>& solids, const std::vector<ProposedFeature>& features, const fs::path& folder) {
@@ -85,7 +92,10 @@ Json metamorphosis(const std::vector<Solid>& solids, const std::vector<ProposedF
       if (f.parts[j] >= 0) elements.push_back(element_of(f.name, solids[j], solids[j].parts.boxes[size_t(f.parts[j])]));
     objects.push_back({{"name", solids[j].name}, {"field", field_of(solids[j], folder)}, {"elements", elements}});
   }
-  return scene_of({{{"name", "child"}, {"field", {{"kind", "metamorphosis"}, {"objects", objects}}}}}, 1);
+  Json child{{"name", "child"},
+             {"field", {{"kind", "metamorphosis"}, {"objects", objects}}},
+             {"surface", {{"kind", "matte"}, {"colour", "#a8321f"}}}};
+  return scene_of(Json::array({std::move(child)}), 1);
 }
 
 /// The edges of a box.
@@ -123,7 +133,7 @@ Json drawing(const std::vector<Solid>& solids, const std::vector<ProposedFeature
                           {"field", frame_of(solids[j], solids[j].parts.boxes[size_t(f.parts[j])], by)},
                           {"surface", {{"kind", "matte"}, {"colour", colour_of(f.name)}}}});
   }
-  return scene_of(shapes, 0.55 * k_step * double(solids.size()));
+  return scene_of(shapes, std::max(2.0, k_step * double(solids.size())));
 }
 
 void propose(const FeaturesOptions& o) {
