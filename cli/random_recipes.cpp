@@ -82,11 +82,12 @@ std::vector<double> draw_weights(size_t objects, Dice& dice) {
 
 nlohmann::ordered_json draw_features(const Found& found, Dice& dice) {
   std::map<std::string, std::vector<double>> drawn;
+  const std::vector<double> stance = draw_weights(found.objects, dice); // one for all: so that features meet
   nlohmann::ordered_json features = nlohmann::ordered_json::array();
   for (const std::string& name : found.features) {
     std::vector<double>& weights = drawn[without_side(name)];
     if (weights.empty()) weights = draw_weights(found.objects, dice);
-    features.push_back({{"name", name}, {"weights", weights}});
+    features.push_back({{"name", name}, {"weights", weights}, {"frame_weights", stance}});
   }
   return features;
 }
