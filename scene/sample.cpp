@@ -156,8 +156,8 @@ void see(Kind& kind, const PixelScale& scale) {
   if (is_shared && count() < before) kind.expansion.pixels = other;
 }
 
-/// The same pixels, seen from the space of an operand. Exact for similarities; else on the safe side: errors are stretched most where
-/// distances are least.
+/// The same pixels, seen from the space of an operand. Exact for similarities; else on the safe side: errors grow most where distances
+/// grow least.
 PixelScale seen_from(const Operand& operand, const PixelScale& scale) {
   const Affine operand_from_here = inverse(operand.parent_from_operand);
   return {Vec3(operand_from_here(Vec3d(scale.eye))), scale.per_distance * float(evenness(operand_from_here.linear))};

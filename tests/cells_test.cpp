@@ -15,11 +15,19 @@ Vec3 random_point(Random& r, const Box3& box) { return Vec3(r.in(Box3d{Vec3d(box
 bool is_warped(const Cell& cell) { return cell.tree && !cell.tree->spaces.empty(); }
 bool is_code(const Cell& cell) { return cell.content == Cell::Content::code || cell.content == Cell::Content::moving_tree; }
 
-/// What of the cells was compared with the whole field.
+/// What of the cells was compared with the whole field, and what was passed over.
 struct Compared {
-  size_t points = 0, normals = 0;            ///< points: off the surface
+  size_t fields = 0;
+  size_t points = 0, too_near = 0;           ///< off the surface; on it, but for rounding
+  size_t normals = 0, without = 0;           ///< places of the surface; those that have no normal
   size_t in_warped_cells = 0, in_motion = 0; ///< of the points
 };
+
+/// Little was passed over.
+void expect_nearly_all(const Compared& compared) {
+  EXPECT_LT(compared.too_near, compared.points / 100);
+  EXPECT_LT(compared.without, compared.normals / 5);
+}
 
 /// The normals of a cell and of the whole field at a place of the surface between two points. (Where the field is torn, nearly flat
 /// or creased a place rounded to float has none to compare.)
@@ -34,7 +42,10 @@ void expect_same_normal(const ShapeCells& shape, const Cell& cell, Vec3d a, Vec3
   const Vec3d whole = whole_at(Vec3d(p)), near = whole_at(Vec3d(p) + 1e-5 * (glm::length(a) + 1) * glm::normalize(whole));
   const double length = glm::length(whole);
   const bool is_torn = std::abs(whole_value(program, Vec3d(p), u) - threshold) > 1e-3 * threshold + 1e-6 * length;
-  if (is_torn || !(length > 0.3) || !(glm::distance(whole, near) < 1e-3 * length)) return;
+  if (is_torn || !(length > 0.3) || !(glm::distance(whole, near) < 1e-3 * length)) {
+    ++compared.without;
+    return;
+  }
   const Vec3d own(cell_gradient(shape, cell, p, shape.slab_start + float(u) / shape.slabs));
   ++compared.normals;
   EXPECT_LT(glm::distance(glm::normalize(own), whole / length), 0.02) << "at " << p.x << ' ' << p.y << ' ' << p.z;
@@ -44,6 +55,7 @@ void expect_same_normal(const ShapeCells& shape, const Cell& cell, Vec3d a, Vec3
 /// surface.
 void expect_pruned_equals_full(const ShapeCells& shape, Compared& compared, double precision = 1e-5) {
   const FieldProgram& program = shape.program;
+  ++compared.fields;
   Random r(7);
   for (const Cell& cell : shape.cells) {
     const double u = program.motion ? (cell.window + r.uniform(0, 1)) / double(shape.windows()) : 0;
@@ -52,7 +64,10 @@ void expect_pruned_equals_full(const ShapeCells& shape, Compared& compared, doub
     for (int i = 0; i < 8; ++i) {
       const Vec3d p(random_point(r, cell.box));
       const double whole = whole_value(program, p, u);
-      if (std::abs(whole - threshold) < noise) continue;
+      if (std::abs(whole - threshold) < noise) {
+        ++compared.too_near;
+        continue;
+      }
       (whole > threshold ? inside : outside) = p;
       ASSERT_EQ(whole > threshold, cell_value(shape, cell, p, u) > threshold)
           << "at " << p.x << ' ' << p.y << ' ' << p.z << ", time " << u << ", content " << int(cell.content);
@@ -133,6 +148,7 @@ TEST(Cells, PrunedEqualsFullInClouds) {
       expect_pruned_equals_full(field_of(cloud), 1, compared);
   EXPECT_GT(compared.points, 50'000u);
   EXPECT_GT(compared.normals, 2000u);
+  expect_nearly_all(compared);
 }
 
 TEST(Cells, PrunedEqualsFullInTrees) {
@@ -146,6 +162,7 @@ TEST(Cells, PrunedEqualsFullInTrees) {
   }
   EXPECT_GT(compared.points, 10'000u);
   EXPECT_GT(compared.normals, 700u);
+  expect_nearly_all(compared);
 }
 
 TEST(Cells, PrunedEqualsFullOfEveryKind) {
@@ -161,6 +178,7 @@ TEST(Cells, PrunedEqualsFullOfEveryKind) {
   EXPECT_GT(compared.points, 20'000u);
   EXPECT_GT(compared.in_warped_cells, compared.points / 10);
   EXPECT_GT(compared.normals, 1000u);
+  expect_nearly_all(compared);
 }
 
 TEST(Cells, PrunedEqualsFullInMotion) {
@@ -172,15 +190,19 @@ TEST(Cells, PrunedEqualsFullInMotion) {
   for (const BlobCloud& cloud : {coincident_cloud(Falloff::quartic), thin_cloud(Falloff::cubic), negative_cloud(Falloff::wyvill)})
     for (const CloudMotion moves : {CloudMotion::centres, CloudMotion::everything, CloudMotion::some})
       look(moving_cloud(cloud, 0.5, moves), 1, {}, 2, 1e-5);
+  EXPECT_EQ(compared.fields, 9u);
   EXPECT_GT(compared.in_motion, 50'000u) << "of clouds";
+  expect_nearly_all(compared);
   compared = {};
   for (unsigned trial = 0; trial < 16 && !HasFailure(); ++trial) {
     SCOPED_TRACE(trial);
     look(random_moving_tree(trial, 1 + int(trial % 3), MovingTree::with_points), trial % 2 ? 1 : 1.2, k_small_cells, 1, 1e-5);
     look(random_moving_field(kinds, trial), 1, {}, 1, 1e-3);
   }
+  EXPECT_GT(compared.fields, 24u) << "of 32 trees; the others stand, or their maps cannot be interpolated";
   EXPECT_GT(compared.in_motion, 1000u) << "of trees";
   EXPECT_GT(compared.normals, 50u);
+  expect_nearly_all(compared);
 }
 
 // What a box is cut back by holds nothing of the surface. (Boxes of cells are cut back already: this goes on with it.)
@@ -191,7 +213,10 @@ protected:
     Random r(11);
     for (const Cell& cell : shape.cells) {
       // Code is not cut back, nor are blobs that grow or fade.
-      if (is_code(cell) || (cell.content == Cell::Content::blobs && cell.blobs.form.moves && !cell.blobs.form.is_pure)) continue;
+      const bool is_cut_back =
+          !is_code(cell) && (cell.content != Cell::Content::blobs || !cell.blobs.form.moves || cell.blobs.form.is_pure);
+      ++(is_cut_back ? cells_ : other_cells_);
+      if (!is_cut_back) continue;
       const double first = r.uniform(0, 1), last = r.uniform(first, 1);
       const TimeSpan time = program.motion ? TimeSpan{float(first), float(last)} : TimeSpan{};
       const double threshold = threshold_range(program).lo;
@@ -209,7 +234,7 @@ protected:
     }
   }
 
-  int points_ = 0, cut_ = 0, cut_in_warps_ = 0, cut_in_motion_ = 0;
+  int cells_ = 0, other_cells_ = 0, points_ = 0, cut_ = 0, cut_in_warps_ = 0, cut_in_motion_ = 0;
 };
 
 TEST_F(Tightening, CutsNothingOffTrees) {
@@ -219,6 +244,7 @@ TEST_F(Tightening, CutsNothingOffTrees) {
     Random r(trial);
     look(build_cells(compile(kinds.random_field(trial, r), trial % 2 ? 1 : 0.6)));
   }
+  EXPECT_LT(other_cells_, cells_ / 2);
   EXPECT_GT(cut_, points_ / 10);
   EXPECT_GT(cut_in_warps_, 10'000);
 }
@@ -226,6 +252,7 @@ TEST_F(Tightening, CutsNothingOffTrees) {
 TEST_F(Tightening, CutsNothingOffClouds) {
   for (const Falloff f : {Falloff::quartic, Falloff::wyvill})
     for (const BlobCloud& cloud : {coincident_cloud(f), thin_cloud(f), negative_cloud(f)}) look(build_cells(compile(field_of(cloud), 1)));
+  EXPECT_EQ(other_cells_, 0);
   EXPECT_GT(cut_, points_ / 10);
 }
 
@@ -233,8 +260,12 @@ TEST_F(Tightening, CutsNothingOffWhatMoves) {
   for (const BlobCloud& cloud : {coincident_cloud(Falloff::quartic), thin_cloud(Falloff::quartic)})
     for (const CloudMotion moves : {CloudMotion::centres, CloudMotion::some})
       look(moving_cells(moving_cloud(cloud, 0.8, moves), 1).value());
+  EXPECT_EQ(other_cells_, 0);
+  int trees = 0;
   for (unsigned trial = 0; trial < 60; ++trial) // parts of them stand
-    if (const auto shape = moving_cells(random_moving_tree(trial, 2, MovingTree::with_points), 1.2)) look(*shape);
+    if (const auto shape = moving_cells(random_moving_tree(trial, 2, MovingTree::with_points), 1.2)) look(*shape), ++trees;
+  EXPECT_GT(trees, 50);
+  EXPECT_GT(cells_, 1000);
   EXPECT_GT(cut_in_motion_, points_ / 10);
 }
 
@@ -275,7 +306,7 @@ TEST(Cells, TakeWhatTheyAreFromTheBudget) {
 
 // Wherever the field crosses the threshold there is a cell: points close together, one on either side.
 TEST(Cells, HoldTheWholeSurface) {
-  int crossings = 0;
+  int crossings = 0, fields = 0;
   for (unsigned trial = 0; trial < 60; ++trial) {
     SCOPED_TRACE(trial);
     Random r(trial);
@@ -284,6 +315,7 @@ TEST(Cells, HoldTheWholeSurface) {
     const ShapeCells shape = build_cells(compile(field, 1), k_small_cells);
     const FieldProgram& program = shape.program;
     if (program.support.is_empty()) continue;
+    const int before = crossings;
     const auto inside = [&](const Vec3d& p) { return evaluate(program, program.code, Point3<double>{p.x, p.y, p.z}) > 1; };
     for (int i = 0; i < 300; ++i) {
       Vec3d a = r.in(program.support), b = r.in(program.support);
@@ -294,8 +326,10 @@ TEST(Cells, HoldTheWholeSurface) {
           std::any_of(shape.cells.begin(), shape.cells.end(), [&](const Cell& c) { return c.box.padded(1e-5f).contains(Vec3(a)); });
       EXPECT_TRUE(held) << "no cell at " << a.x << ' ' << a.y << ' ' << a.z;
     }
+    fields += crossings > before;
   }
   EXPECT_GT(crossings, 700);
+  EXPECT_GT(fields, 30) << "with a surface, of 60";
 }
 
 // Bounds of every step of a program contain samples of it, in boxes of any size.

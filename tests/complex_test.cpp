@@ -77,7 +77,7 @@ TEST(Revolution, IsADiscThatIsTurnedAboutTheAxis) {
     turned.profile.resize(2 + r.below(5));
     std::vector<WidePoint> points;
     for (Vec3& p : turned.profile) {
-      // Level stretches and points on the axis are what vases are made of.
+      // Level parts and points on the axis are what vases are made of.
       p = Vec3(r.below(5) ? r.uniform(0, 1) : 0, r.below(4) ? r.uniform(-1, 1) : 0.5, r.uniform(0, 0.4));
       points.emplace_back(p.x, p.y, 0, 0.5 * p.z);
     }

@@ -29,17 +29,27 @@ size_t operand_count(const K& kind, Random& r) {
   return operands_of(kind).size() + (HasOwnOperands<K> ? 0 : 1 + size_t(r.below(5)));
 }
 
+/// Calls test_kind(for_its_trials) for every operator; for_its_trials(test) calls test(operator, operands, demand, random).
+template <class TestKind>
+void for_each_operator_kind(TestKind&& test_kind) {
+  for_each_field_kind([&]<template <class> class Kind>() {
+    if (testing::Test::HasFailure()) return;
+    if constexpr (Operator<Kind<SampledMode>>)
+      test_kind([](auto&& test) {
+        for (unsigned trial = 0; trial < 10 * k_trials && !testing::Test::HasFailure(); ++trial) {
+          SCOPED_TRACE(trial);
+          Random r(trial);
+          const Kind<SampledMode> kind = random_kind<Kind>(r);
+          test(kind, Operands(r, operand_count(kind, r)), trial % 2 ? Demand::value : Demand::sign, r);
+        }
+      });
+  });
+}
+
+/// Calls test(operator, operands, demand, random) for random states of every operator.
 template <class Test>
 void for_each_operator(Test&& test) {
-  for_each_field_kind([&]<template <class> class Kind>() {
-    if constexpr (Operator<Kind<SampledMode>>)
-      for (unsigned trial = 0; trial < 10 * k_trials && !testing::Test::HasFailure(); ++trial) {
-        SCOPED_TRACE(trial);
-        Random r(trial);
-        const Kind<SampledMode> kind = random_kind<Kind>(r);
-        test(kind, Operands(r, operand_count(kind, r)), trial % 2 ? Demand::value : Demand::sign, r);
-      }
-  });
+  for_each_operator_kind([&](auto&& for_its_trials) { for_its_trials(test); });
 }
 
 TEST(Conformance, OperatorsBoundTheirValues) {
@@ -53,19 +63,21 @@ TEST(Conformance, OperatorsBoundTheirValues) {
 }
 
 TEST(Conformance, OperatorsDifferentiate) {
-  GradientCheck check;
-  for_each_operator([&](const auto& kind, const Operands& operands, Demand mine, Random& r) {
-    const std::vector<double> f = operands.sample(r);
-    const auto along = [&](const Vec3d& p) { // operands that move linearly with three variables
-      std::vector<double> moved = f;
-      for (size_t i = 0; i < f.size(); ++i) moved[i] += p[i % 3] * double(1 + i);
-      return kind.combine(std::span<const double>(moved), operands.threshold, mine);
-    };
-    std::vector<ValueAndSlopes> duals;
-    for (size_t i = 0; i < f.size(); ++i) duals.push_back(ValueAndSlopes(f[i]) + ValueAndSlopes::variable(0, int(i % 3)) * double(1 + i));
-    check.compare(along, kind.combine(std::span<const ValueAndSlopes>(duals), operands.threshold, mine), Vec3d(0));
+  for_each_operator_kind([](auto&& for_its_trials) {
+    GradientCheck check;
+    for_its_trials([&](const auto& kind, const Operands& operands, Demand mine, Random& r) {
+      const std::vector<double> f = operands.sample(r);
+      const auto along = [&](const Vec3d& p) { // operands that move linearly with three variables
+        std::vector<double> moved = f;
+        for (size_t i = 0; i < f.size(); ++i) moved[i] += p[i % 3] * double(1 + i);
+        return kind.combine(std::span<const double>(moved), operands.threshold, mine);
+      };
+      std::vector<ValueAndSlopes> duals;
+      for (size_t i = 0; i < f.size(); ++i) duals.push_back(ValueAndSlopes(f[i]) + ValueAndSlopes::variable(0, int(i % 3)) * double(1 + i));
+      check.compare(along, kind.combine(std::span<const ValueAndSlopes>(duals), operands.threshold, mine), Vec3d(0));
+    });
+    check.expect_enough();
   });
-  check.expect_enough();
 }
 
 // What is pruned cannot matter: the value is the same, or where only the side is asked for, the side.

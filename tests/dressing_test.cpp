@@ -89,7 +89,7 @@ TEST(Dressing, EveryHitIsTheNearestTriangle) {
   const Faces faces = random_soup(400);
   const Tracer tracer(scene_of(mesh_of(faces)));
   SolveCounters counters;
-  int hits = 0;
+  int hits = 0, judged = 0;
   for (int i = 0; i < 5000; ++i) {
     Random r(i);
     Ray ray = ray_between(Vec3(r.direction() * r.uniform(0.1, 4)), random_point(r));
@@ -103,6 +103,7 @@ TEST(Dressing, EveryHitIsTheNearestTriangle) {
     }
     is_close_call |= std::abs(nearest - ray.t_far) < 1e-4;
     if (is_close_call) continue;
+    ++judged;
     Hit hit;
     ASSERT_EQ(tracer.intersect(ray, counters, hit), std::isfinite(nearest)) << i;
     ASSERT_EQ(tracer.occluded(ray, counters), std::isfinite(nearest)) << i;
@@ -117,6 +118,7 @@ TEST(Dressing, EveryHitIsTheNearestTriangle) {
     EXPECT_TRUE(!tracer.intersect(back, counters, first) || first.t > 1e-3 * hit.t) << i;
     EXPECT_TRUE(!tracer.intersect(on, counters, first) || first.position != hit.position) << i;
   }
+  EXPECT_GT(judged, 4000);
   EXPECT_GT(hits, 500);
 }
 
@@ -188,6 +190,7 @@ TEST(Dressing, TheNearestOfFieldsMeshesAndPlanesIsMet) {
 TEST(Dressing, PacketsAreNoMoreThanTheirRays) {
   const Tracer tracer(mixture());
   SolveCounters counters;
+  int hit = 0, missed = 0;
   for (int packet = 0; packet < 300; ++packet) {
     Random r(packet);
     std::vector<Ray> rays;
@@ -198,6 +201,7 @@ TEST(Dressing, PacketsAreNoMoreThanTheirRays) {
     for (size_t i = 0; i < k_packet; ++i) {
       Hit lone;
       ASSERT_EQ(tracer.intersect(std::span(&rays[i], 1), counters, &lone), found >> i & 1);
+      ++(found >> i & 1 ? hit : missed);
       if (!(found >> i & 1)) continue;
       EXPECT_EQ(lone.t, hits[i].t);
       EXPECT_EQ(lone.position, hits[i].position);
@@ -205,6 +209,8 @@ TEST(Dressing, PacketsAreNoMoreThanTheirRays) {
       EXPECT_EQ(lone.shape, hits[i].shape);
     }
   }
+  EXPECT_GT(hit, 1000);
+  EXPECT_GT(missed, 100);
 }
 
 // Embree ends the program for a ray that is no number: it must not see one.

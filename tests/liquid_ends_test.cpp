@@ -34,14 +34,16 @@ protected:
   static int wrong_places(const FieldProgram& field, double degrees, double margin) {
     const double half = half_side(), c = std::cos(glm::radians(degrees)), s = std::sin(glm::radians(degrees));
     Random r(1);
-    int wrong = 0;
+    int wrong = 0, judged = 0;
     for (int i = 0; i < 5000; ++i) {
       const Vec3d p = r.in(Box3d{Vec3d(-1.5, -0.2, -1.5), Vec3d(1.5, 2.2, 1.5)});
       const Vec3d q = glm::abs(Vec3d(c * p.x - s * p.z, p.y - half, s * p.x + c * p.z));
       const double outside = std::max({q.x, q.y, q.z}) - half;
       if (std::abs(outside) < margin) continue;
+      ++judged;
       wrong += (evaluate(field, field.code, Point3<double>{p.x, p.y, p.z}) > field.threshold) != (outside < 0);
     }
+    EXPECT_GT(judged, 4500);
     return wrong;
   }
 };

@@ -55,7 +55,7 @@ Vec3d vector(const FrameImage& image, const std::string& channel, int x, int y) 
 TEST_F(Render, EveryPixelOfASphereIsWhatGeometrySays) {
   const FrameImage image = render(k_sphere);
   const Vec3d eye(0, 0, 5), sun = glm::normalize(Vec3d(1, 2, 2));
-  int hits = 0;
+  int hits = 0, misses = 0;
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 48; ++x) {
       const double scale = std::tan(glm::radians(20.0)) / 16;
@@ -63,6 +63,7 @@ TEST_F(Render, EveryPixelOfASphereIsWhatGeometrySays) {
       const double along = -glm::dot(eye, d), discriminant = along * along - 24;
       if (std::abs(discriminant) < 1e-4) continue; // grazing: either answer is right
       if (discriminant < 0) {
+        ++misses;
         EXPECT_EQ(value(image, "A", x, y), 0);
         EXPECT_EQ(value(image, "R", x, y), 0);
         EXPECT_FLOAT_EQ(float(value(image, "Z", x, y)), 1e10f);
@@ -84,6 +85,7 @@ TEST_F(Render, EveryPixelOfASphereIsWhatGeometrySays) {
       }
     }
   EXPECT_GT(hits, 200);
+  EXPECT_GT(misses, 200);
 }
 
 // Under the same light from everywhere a convex matte surface shows its albedo: no light is made or lost.

@@ -78,56 +78,77 @@ struct CubicRange {
 
 Interval around(double middle, double half) { return {middle - half, middle + half}; }
 
+using Ranges = std::array<Interval, 3>;
+
+Interval dot(const Ranges& a, const Ranges& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Interval squared_length(const Ranges& v) { return square(v[0]) + square(v[1]) + square(v[2]); }
+
+/// What part m ± h of a step has, and how far the points of a box are from it.
+struct PartRanges {
+  double m, h;
+  Ranges offset;        ///< from the axis to the points
+  Ranges first, second; ///< derivatives of the axis
+  Ranges shift, shift_first, shift_second;
+  std::array<Ranges, 3> turn, turn_first; ///< [row][column]
+
+  PartRanges(const AxisPart& part, const CubicStep<Vec3d>& axis, const AxisTurn& t, const Box3d& box)
+      : m(0.5 * (part.from + part.to)), h(0.5 * (part.to - part.from)) {
+    for (int i = 0; i < 3; ++i) {
+      const CubicRange c([&](size_t k) { return axis.a[k][i]; }, m, h), s([&](size_t k) { return t.shift.a[k][i]; }, m, h);
+      offset[i] = Interval{box.lower[i], box.upper[i]} - c.value;
+      first[i] = c.first, second[i] = c.second;
+      shift[i] = s.value, shift_first[i] = s.first, shift_second[i] = s.second;
+      for (int j = 0; j < 3; ++j) {
+        const CubicRange e([&](size_t k) { return t.turn.a[k][j][i]; }, m, h);
+        turn[i][j] = e.value, turn_first[i][j] = e.first;
+      }
+    }
+  }
+};
+
+/// The slopes of a point's place s on the axis, as in offer_at(). In the tube |c'|^2 - d c'' is at least a tenth of |c'|^2.
+Ranges place_slopes(const PartRanges& r, bool may_be_at_end) {
+  const Interval speed2 = squared_length(r.first);
+  Interval g = speed2 - dot(r.offset, r.second);
+  g.lo = std::max(g.lo, 0.05 * speed2.lo), g.hi = std::max(g.hi, g.lo);
+  Ranges slopes;
+  for (int i = 0; i < 3; ++i) {
+    slopes[i] = g.lo > 0 ? r.first[i] / g : Interval{-1e30, 1e30};
+    if (may_be_at_end) slopes[i] = hull(slopes[i], 0.0);
+  }
+  return slopes;
+}
+
+/// By how much points are moved, and its slopes, as in offer_at(). What of shift' - turn c' cancels does so at m; around it the
+/// derivative bounds it.
+void offer_by(const PartRanges& r, const CubicStep<Vec3d>& axis, const AxisTurn& t, const Ranges& s_slopes, AxisOffer<Interval>& out) {
+  const Vec3d along_m = t.shift.first(r.m) - t.turn(r.m) * axis.first(r.m);
+  for (int i = 0; i < 3; ++i) {
+    const Interval change = r.shift_second[i] - dot(r.turn_first[i], r.first) - dot(r.turn[i], r.second);
+    const Interval along = intersect(r.shift_first[i] - dot(r.turn[i], r.first), around(along_m[i], r.h * change.magnitude()));
+    const Interval by_s = along + dot(r.turn_first[i], r.offset);
+    for (int j = 0; j < 3; ++j) out.by_slopes[i][j] = r.turn[i][j] + by_s * s_slopes[j];
+    out.by[i] = r.shift[i] + dot(r.turn[i], r.offset);
+  }
+}
+
 } // namespace
 
 void AxisTube::offer_part(const AxisPart& part, const Box3d& box, Interval distance, AxisOffer<Interval>& out) const {
-  const double m = 0.5 * (part.from + part.to), h = 0.5 * (part.to - part.from);
-  const CubicStep<Vec3d>& c = deformed_.step(part.step);
-  const AxisTurn& t = turns_[part.step];
-  std::array<Interval, 3> offset, first, second, shift_first, shift_second, shift;
-  for (int i = 0; i < 3; ++i) {
-    const CubicRange axis([&](size_t k) { return c.a[k][i]; }, m, h), s([&](size_t k) { return t.shift.a[k][i]; }, m, h);
-    offset[i] = Interval{box.lower[i], box.upper[i]} - axis.value;
-    first[i] = axis.first, second[i] = axis.second;
-    shift[i] = s.value, shift_first[i] = s.first, shift_second[i] = s.second;
-  }
-  std::array<std::array<Interval, 3>, 3> turn, turn_first; // [row][column]
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
-      const CubicRange e([&](size_t k) { return t.turn.a[k][j][i]; }, m, h);
-      turn[i][j] = e.value, turn_first[i][j] = e.first;
-    }
-  const auto dot = [](const auto& a, const auto& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+  const CubicStep<Vec3d>& axis = deformed_.step(part.step);
+  const AxisTurn& turn = turns_[part.step];
+  const PartRanges r(part, axis, turn, box);
+  const Ranges s_slopes = place_slopes(r, part.may_be_at_end);
+  offer_by(r, axis, turn, s_slopes, out);
 
-  // The slopes of s. In the tube |c'|^2 - d c'' is at least a tenth of |c'|^2.
-  const Interval speed2 = square(first[0]) + square(first[1]) + square(first[2]);
-  Interval g = speed2 - dot(offset, second);
-  g.lo = std::max(g.lo, 0.05 * speed2.lo), g.hi = std::max(g.hi, g.lo);
-  std::array<Interval, 3> s_slopes;
-  for (int i = 0; i < 3; ++i) {
-    s_slopes[i] = g.lo > 0 ? first[i] / g : Interval{-1e30, 1e30};
-    if (part.may_be_at_end) s_slopes[i] = hull(s_slopes[i], 0.0);
-  }
-
-  // What of shift' - turn c' cancels does so at m; around it the derivative bounds it.
-  const Mat3d turn_m = t.turn(m);
-  const Vec3d along_m = t.shift.first(m) - turn_m * c.first(m);
-  for (int i = 0; i < 3; ++i) {
-    const Interval change = shift_second[i] - dot(turn_first[i], first) - dot(turn[i], second);
-    const Interval by_s =
-        intersect(shift_first[i] - dot(turn[i], first), around(along_m[i], h * change.magnitude())) + dot(turn_first[i], offset);
-    for (int j = 0; j < 3; ++j) out.by_slopes[i][j] = turn[i][j] + by_s * s_slopes[j];
-    out.by[i] = shift[i] + dot(turn[i], offset);
-  }
-
-  const Interval length = intersect(sqrt(square(offset[0]) + square(offset[1]) + square(offset[2])), distance);
+  const Interval length = intersect(sqrt(squared_length(r.offset)), distance);
   const double r0 = deformed_.reach(part.step, part.from), r1 = deformed_.reach(part.step, part.to);
   const Interval reach{std::max(std::min(r0, r1), 1e-300), std::max(std::max(r0, r1), 1e-300)};
   const double reach_slope = deformed_.reach_slope(part.step);
   const Interval u = length / reach;
   out.depth = max(Interval(1.0) - u, Interval(0.0));
   for (int i = 0; i < 3; ++i) {
-    const Interval cosine = length.lo > 0 ? intersect(offset[i] / length, {-1, 1}) : Interval{-1, 1};
+    const Interval cosine = length.lo > 0 ? intersect(r.offset[i] / length, {-1, 1}) : Interval{-1, 1};
     out.depth_slopes[i] = (min(u, Interval(1.0)) * (reach_slope * s_slopes[i]) - cosine) / reach;
   }
   out.limit = reach * limit_part_;

@@ -27,7 +27,7 @@ private:
   bool is_thin(const Instruction&) const;
 
   const FieldProgram& program_;
-  std::vector<double> space_aspects_; ///< by how much more the affine maps of each space stretch one way than another, about
+  std::vector<double> space_aspects_; ///< of the affine map of each space: its largest factor of lengths over its smallest, about
   bool are_there_ = false;
 };
 

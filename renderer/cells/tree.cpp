@@ -212,7 +212,7 @@ private:
     SolidLeaf leaf{};
     const double half = 0.5 * double(cell_.diagonal()), infinity = std::numeric_limits<double>::infinity();
     const SolidPlace place{local_from_base(base.centre), local_from_base.linear,
-                           base.slot == 0 ? half * stretch(local_from_base.linear) : infinity};
+                           base.slot == 0 ? half * lipschitz(local_from_base.linear) : infinity};
     const bool is_known = std::visit(
         [&](const auto& kind) {
           using K = std::decay_t<decltype(kind)>;
@@ -226,8 +226,8 @@ private:
         },
         program_.field.nodes[step.node]);
     if (!is_known) return false;
-    leaf.slot = base.slot, leaf.drift = static_cast<float>(base.turning * stretch(local_from_base.linear));
-    leaf.bending = static_cast<float>(base.bending * stretch(local_from_base.linear));
+    leaf.slot = base.slot, leaf.drift = static_cast<float>(base.turning * lipschitz(local_from_base.linear));
+    leaf.bending = static_cast<float>(base.bending * lipschitz(local_from_base.linear));
     leaf.node = step.node, leaf.space = step.space;
     add_operand(TreeStep::Kind::solid, static_cast<uint32_t>(out_.solids.size()), 1, is_subtracted);
     out_.solids.push_back(leaf);
@@ -291,11 +291,11 @@ private:
 
   /// Where the leaves of a space are computed from: the world, or a warped space that is a base of others.
   struct Base {
-    uint32_t slot = 0;       ///< as leaf_space has it
-    Vec3d centre;            ///< of the cell, as the solvers have it
-    double turning = 0;      ///< how much the derivative of the map from the world differs within the cell, at most
-    double bending = 0;      ///< half the largest second derivative of that map
-    double most_stretch = 1; ///< the largest factor by which that map stretches
+    uint32_t slot = 0;    ///< as leaf_space has it
+    Vec3d centre;         ///< of the cell, as the solvers have it
+    double turning = 0;   ///< how much the derivative of the map from the world differs within the cell, at most
+    double bending = 0;   ///< half the largest second derivative of that map
+    double lipschitz = 1; ///< a Lipschitz constant of that map
   };
 
   /// The base of a space, and the affine map from there; false if the map from the world is too far from linear.
@@ -323,7 +323,7 @@ private:
       base.turning = turning(program_, warped, cell_);
       if (!(base.turning <= k_most_drift) || out_.spaces.size() == k_tree_spaces) return false;
       const Affine warp_from_base = warp.local_from_parent * parent_from_base;
-      find_bending(warp, parent, stretch(warp_from_base.linear), base);
+      find_bending(warp, parent, lipschitz(warp_from_base.linear), base);
       const LaneWarp lanes = std::visit(
           [&](const auto& kind) {
             if constexpr (std::is_same_v<decltype(kind), const Axial<SampledMode>&>)
@@ -339,7 +339,7 @@ private:
   }
 
   /// By the chain rule: second derivatives of the warp times first derivatives before it, squared, and the other way round.
-  void find_bending(const Space& warp, const Base& parent, double stretch_between, Base& base) const {
+  void find_bending(const Space& warp, const Base& parent, double lipschitz_between, Base& base) const {
     const Box3d box = box_before(warp);
     const Point3<Interval> p{{box.lower.x, box.upper.x}, {box.lower.y, box.upper.y}, {box.lower.z, box.upper.z}};
     std::visit(
@@ -352,10 +352,10 @@ private:
             double sum = 0;
             for (const Variable& x : {image.x, image.y, image.z})
               for (const Interval& d : x.d) sum += square(d.magnitude());
-            const double warp_stretch = std::sqrt(sum), before = stretch_between * parent.most_stretch;
-            base.most_stretch = warp_stretch * before;
+            const double of_warp = std::sqrt(sum), before = lipschitz_between * parent.lipschitz;
+            base.lipschitz = of_warp * before;
             base.bending = kind.most_bending(p) * square(before);
-            if (parent.bending > 0) base.bending += warp_stretch * stretch_between * parent.bending;
+            if (parent.bending > 0) base.bending += of_warp * lipschitz_between * parent.bending;
             if (std::isnan(base.bending)) base.bending = std::numeric_limits<double>::infinity();
           }
         },
@@ -371,8 +371,8 @@ private:
     return {{p.x.lo, p.y.lo, p.z.lo}, {p.x.hi, p.y.hi, p.z.hi}};
   }
 
-  /// An upper bound of the factor by which a map stretches; exact for similarities.
-  static double stretch(const Mat3d& m) {
+  /// A Lipschitz constant of a linear map: at least its largest singular value, and that for similarities.
+  static double lipschitz(const Mat3d& m) {
     const Mat3d g = glm::transpose(m) * m;
     const double trace = g[0][0] + g[1][1] + g[2][2];
     double off = 0;
@@ -406,8 +406,8 @@ private:
     leaf[leaf_slope] = static_cast<float>(slope);
     leaf[leaf_k] = static_cast<float>(k), leaf[leaf_a] = static_cast<float>(a), leaf[leaf_b] = static_cast<float>(b),
     leaf[leaf_crest] = crest(a, b);
-    leaf[leaf_space] = static_cast<float>(base.slot), leaf[leaf_drift] = static_cast<float>(base.turning * stretch(linear));
-    leaf[leaf_bending] = static_cast<float>(base.bending * stretch(linear));
+    leaf[leaf_space] = static_cast<float>(base.slot), leaf[leaf_drift] = static_cast<float>(base.turning * lipschitz(linear));
+    leaf[leaf_bending] = static_cast<float>(base.bending * lipschitz(linear));
     return true;
   }
 

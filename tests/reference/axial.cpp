@@ -201,7 +201,7 @@ void Axis::prepare() {
     most_ratio = std::max(most_ratio, length(rest_nodes[i].velocity) / length(deformed_nodes[i].velocity));
   most_roll *= 1.6 * std::acos(-1.0) / 180 / lengths.back(); // the cosine is steeper, by pi / 2
   // With h >= 0.1, of the other axis at most 1.9.
-  stretch = 2 + 10 * most_ratio * (1.9 + most_roll * radius);
+  lipschitz = 2 + 10 * most_ratio * (1.9 + most_roll * radius);
   const double infinity = std::numeric_limits<double>::infinity();
   lower = {infinity, infinity, infinity}, upper = lower * -1;
   for (const auto* nodes : {&rest_nodes, &deformed_nodes})
@@ -268,7 +268,7 @@ Vec undeformed(const Axial& axial, Vec p) {
 
 std::vector<Image> images(const Axial& axial, Vec p, double reach) {
   std::vector<Image> out;
-  double limit = 0, stretch = 1;
+  double limit = 0, lipschitz = 1;
   for (const Axis& axis : axial.axes) {
     limit = std::max(limit, axis.radius * axis.border / 3);
     if (!is_near_box(axis, p, reach)) continue;
@@ -278,12 +278,12 @@ std::vector<Image> images(const Axial& axial, Vec p, double reach) {
     const double part = place.distance < axis.radius ? 1 : axis.radius / place.distance;
     const Vec q = rest_of(axis, place, place.at + (p - place.at) * part);
     // How far the ball's other points of the tube may be: along the axis lengths may grow by much, near its ends by nothing.
-    const double far = std::min(2 * reach * axis.stretch, 1e3);
+    const double far = std::min(2 * reach * axis.lipschitz, 1e3);
     out.push_back({q, far, 0});
-    stretch = std::max(stretch, 3.0);
+    lipschitz = std::max(lipschitz, 3.0);
   }
-  for (Image& image : out) image.radius += limit, image.stretch = stretch;
-  out.push_back({p, reach + (out.empty() ? 0 : limit), stretch});
+  for (Image& image : out) image.radius += limit, image.lipschitz = lipschitz;
+  out.push_back({p, reach + (out.empty() ? 0 : limit), lipschitz});
   return out;
 }
 

@@ -28,7 +28,7 @@ struct Axis {
   std::vector<double> lengths;                  ///< along the rest axis, to each node
   std::vector<Frame> turned;                    ///< the user's frames in order, with those at the ends
   Vec lower, upper;                             ///< of all nodes
-  double stretch = 1;                           ///< a bound of how much lengths grow from the deformed to the rest space, within the tube
+  double lipschitz = 1;                         ///< a bound of how much lengths grow from the deformed to the rest space, within the tube
   void prepare();
 };
 
@@ -44,7 +44,7 @@ Vec undeformed(const Axial&, Vec p);
 /// A ball of the child's space, and by how much lengths grow on the way there, about.
 struct Image {
   Vec centre;
-  double radius, stretch;
+  double radius, lipschitz;
 };
 /// What of the child may be seen within `reach` of p.
 std::vector<Image> images(const Axial&, Vec p, double reach);

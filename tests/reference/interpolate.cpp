@@ -84,36 +84,36 @@ private:
   /// The radius of the smallest leaf that may be felt within `reach` of p; infinity if there is none.
   static double smallest_radius(const Node& node, Vec p, double reach) {
     if (node.kind == Node::Kind::warp) {
-      // The largest factor by which the map stretches is at most its Frobenius norm.
+      // A Lipschitz constant of the map: its Frobenius norm.
       double squares = 0;
       for (const Vec& row : node.child_from_parent.rows) squares += dot(row, row);
-      const double stretch = std::sqrt(squares);
-      return smallest_radius(*node.children[0], node.child_from_parent.point(p), reach * stretch) / stretch;
+      const double lipschitz = std::sqrt(squares);
+      return smallest_radius(*node.children[0], node.child_from_parent.point(p), reach * lipschitz) / lipschitz;
     }
-    if (node.kind == Node::Kind::twist) { // its stretch grows with the distance from the axis
+    if (node.kind == Node::Kind::twist) { // its Lipschitz constant grows with the distance from the axis
       const Vec q = p - node.centre;
       const double along = dot(q, node.axis) / length(node.axis), from_axis = std::sqrt(std::max(0.0, dot(q, q) - along * along));
-      const double k = std::abs(node.rate) * std::acos(-1.0) / 180 * (from_axis + reach), stretch = 0.5 * (k + std::sqrt(k * k + 4));
-      return smallest_radius(*node.children[0], untwisted(node, p), reach * stretch) / stretch;
+      const double k = std::abs(node.rate) * std::acos(-1.0) / 180 * (from_axis + reach), lipschitz = 0.5 * (k + std::sqrt(k * k + 4));
+      return smallest_radius(*node.children[0], untwisted(node, p), reach * lipschitz) / lipschitz;
     }
     if (node.kind == Node::Kind::taper) { // across the axis by 1/s, along it by what 1/s changes, more the farther from it
       const Vec q = p - node.centre;
       const double along = dot(q, node.axis) / length(node.axis), from_axis = std::sqrt(std::max(0.0, dot(q, q) - along * along));
       const double most = std::max(1.0, 1 / node.by), sheared = (from_axis + reach) * most * most * std::abs(node.by - 1) / node.length;
-      const double stretch = std::sqrt(most * most + 1 + sheared * sheared);
-      return smallest_radius(*node.children[0], untapered(node, p), reach * stretch) / stretch;
+      const double lipschitz = std::sqrt(most * most + 1 + sheared * sheared);
+      return smallest_radius(*node.children[0], untapered(node, p), reach * lipschitz) / lipschitz;
     }
-    if (node.kind == Node::Kind::bend) { // stretches the most near the bend axis; across the cut anything may follow
+    if (node.kind == Node::Kind::bend) { // steepest near the bend axis; across the cut anything may follow
       const Unbent q = unbent(node, p);
       const double radius = q.to_axis < k_infinity ? node.length * 180 / (std::abs(node.angle) * std::acos(-1.0)) : 1;
       if (q.to_axis * radius <= reach) return 0;
-      const double stretch = std::max(1.0, 1 / (q.to_axis - reach / radius));
-      return smallest_radius(*node.children[0], q.p, q.to_cut <= reach ? k_infinity : reach * stretch) / stretch;
+      const double lipschitz = std::max(1.0, 1 / (q.to_axis - reach / radius));
+      return smallest_radius(*node.children[0], q.p, q.to_cut <= reach ? k_infinity : reach * lipschitz) / lipschitz;
     }
     if (node.kind == Node::Kind::axial) {
       double least_image = k_infinity;
       for (const Image& image : images(*node.axial, p, reach))
-        least_image = std::min(least_image, smallest_radius(*node.children[0], image.centre, image.radius) / image.stretch);
+        least_image = std::min(least_image, smallest_radius(*node.children[0], image.centre, image.radius) / image.lipschitz);
       return least_image;
     }
     double least = k_infinity;

