@@ -34,6 +34,15 @@ inline void narrow(Axial<SampledMode>& k) {
   k.prepare();
 }
 
+/// One feature of two objects, and the background: each sees both, and what is below may be as large again.
+inline void make_small(Metamorphosis<SampledMode>& k) {
+  k.objects.resize(2);
+  for (auto& object : k.objects) std::erase_if(object.elements, [](const auto& e) { return e.name != "a"; });
+  std::erase_if(k.features, [](const auto& feature) { return feature.name == "b"; });
+  for (auto& feature : k.features) feature.weights.resize(2), feature.frame_weights.clear();
+  k.prepare();
+}
+
 class EveryKind {
 public:
   EveryKind() {
@@ -62,6 +71,7 @@ public:
         operators_.push_back([](Random& r, SampledField& field, const Nodes& children) {
           K k = random_kind<Kind>(r);
           if constexpr (requires { k.children; }) k.children = children;
+          if constexpr (requires { k.objects; }) make_small(k);
           if constexpr (requires { k.objects; })
             for (size_t j = 0; j < k.objects.size(); ++j) k.objects[j].field = children[j % children.size()];
           if constexpr (requires { k.region; }) k.region = add(field, random_leaf<Disc>(r));
