@@ -1,5 +1,6 @@
 #include "renderer/cells/element_size.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -10,9 +11,15 @@ namespace {
 /// An element is thin if it is this many times as long as wide. All elements of pictures so far are less so.
 constexpr double k_thin = 64;
 
-/// A signed distance that reaches as many times farther than its solid is thick is there for its values (below a metamorphosis). Such cells
-/// are solved as code, and want to be this small a part of the thickness: then few of many objects count in each.
-constexpr double k_far_reach = 16, k_far_size = 0.25;
+/// The distances that a metamorphosis mixes reach over everything. Its cells are solved as code, and want to be this small a part of a
+/// solid's thickness, so that few of many objects count in each; but not smaller than a part of the reach.
+constexpr double k_mixed_size = 0.25, k_least_mixed_size = 1.0 / 2048;
+
+bool mixes_distances(const FieldProgram& program, const Code& code) {
+  return std::any_of(code.steps.begin(), code.steps.end(), [&](const Instruction& step) {
+    return step.kind == Instruction::Kind::combine && std::holds_alternative<Metamorphosis<SampledMode>>(program.field.nodes[step.node]);
+  });
+}
 
 /// A lower bound of what the affine maps from a space to the world do to lengths (the Frobenius norm of
 /// the inverse bounds its largest singular value). Warps that are not affine count as if they kept lengths:
@@ -36,12 +43,12 @@ double visit_skeleton(const FieldProgram& program, uint32_t node, Visit&& visit)
       program.field.nodes[node]);
 }
 
-double skeleton_radius(const FieldProgram& program, uint32_t node) {
-  return visit_skeleton(program, node, [](const auto& kind) -> double {
+double skeleton_radius(const FieldProgram& program, uint32_t node, bool is_mixed) {
+  return visit_skeleton(program, node, [&](const auto& kind) -> double {
     if constexpr (requires { kind.feature_size(); }) return kind.feature_size();
     const Vec3 e = kind.support().extent();
     if constexpr (requires { kind.inner_radius(); })
-      if (kind.reach() > k_far_reach * kind.inner_radius()) return k_far_size * kind.inner_radius();
+      if (is_mixed) return std::max(k_mixed_size * kind.inner_radius(), k_least_mixed_size * kind.reach());
     return 0.5 * double(std::min({e.x, e.y, e.z}));
   });
 }
@@ -66,6 +73,7 @@ size_t element_count(const Code& code) {
 /// Calls visit(step, radius) with the smallest radius of influence in each step that has elements, in world units.
 template <class Visit>
 void for_each_radius(const FieldProgram& program, const Code& code, Visit&& visit) {
+  const bool is_mixed = mixes_distances(program, code);
   for (const Instruction& step : code.steps) {
     const double scale = smallest_scale(program, step.space);
     if (step.kind == Instruction::Kind::blobs) {
@@ -73,7 +81,7 @@ void for_each_radius(const FieldProgram& program, const Code& code, Visit&& visi
       for (uint32_t j = 0; j < step.count; ++j) least = std::min(least, program.blobs.radius[code.blobs[step.first + j]]);
       visit(step, scale * double(least));
     } else if (step.kind == Instruction::Kind::skeleton) {
-      visit(step, scale * skeleton_radius(program, step.node));
+      visit(step, scale * skeleton_radius(program, step.node, is_mixed));
     }
   }
 }
