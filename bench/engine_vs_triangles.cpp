@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <random>
 
@@ -145,19 +146,25 @@ void print_contest(const std::string& scene, const Contest& contest, int runs) {
   std::fflush(stdout);
 }
 
-void measure(const std::string& name, const Options& options) {
-  const FrameScene scene = bench_scene(name);
-  std::optional<Tracer> built;
+/// Builds the tracer so many times and prints what that takes.
+std::unique_ptr<const Tracer> build_tracer(const std::string& name, const FrameScene& scene, int runs) {
+  std::unique_ptr<const Tracer> tracer;
   std::vector<double> seconds;
-  for (int run = 0; run < options.runs; ++run) {
-    built.reset();
+  for (int run = 0; run < runs; ++run) {
+    tracer.reset();
     const double before = process_cpu_s();
-    built.emplace(scene);
+    tracer = std::make_unique<const Tracer>(scene);
     seconds.push_back(process_cpu_s() - before);
   }
+  fmt::print("# {}: {} elements, {} cells: {:.4f} s, {:.1f} MB\n", name, tracer->element_count(), tracer->cell_count(), median(seconds),
+             1e-6 * double(tracer->bytes()));
+  return tracer;
+}
+
+void measure(const std::string& name, const Options& options) {
+  const FrameScene scene = bench_scene(name);
+  const std::unique_ptr<const Tracer> built = build_tracer(name, scene, options.runs);
   const Tracer& tracer = *built;
-  fmt::print("# {}: {} elements, {} cells: {:.4f} s, {:.1f} MB\n", name, tracer.element_count(), tracer.cell_count(), median(seconds),
-             1e-6 * double(tracer.bytes()));
 
   const double distance = glm::distance(scene.camera.position, scene.camera.look_at);
   const double pixel = 2 * std::tan(glm::radians(double(scene.camera.fov)) / 2) * distance / options.resolution.y;
