@@ -49,12 +49,12 @@ public:
     Diagnostics diagnostics;
     std::atomic<double> share{0};
     Heartbeat building(options_.progress, fmt::format("building frame {}", frame));
-    const auto progress = [&](double tile) {
+    const auto progress = [&](double part) {
       building.stop();
       double before = share;
-      while (!share.compare_exchange_weak(before, before + tile)) {
+      while (!share.compare_exchange_weak(before, before + part)) {
       }
-      progress_.advance(finished_ + std::min(1.0, before + tile) * 0.999);
+      progress_.advance(finished_ + std::min(1.0, before + part) * 0.999);
     };
     set_activity(fmt::format("rendering frame {}", frame));
     RenderedFrame rendered = render_frame(scene_, frame, window_, {environments_, diagnostics, progress, options_.max_memory, &kept_});

@@ -59,8 +59,8 @@ public:
     limits_.stats = {};
     std::mutex mutex;
     double rendered = 0; // the part of the picture
-    const std::function<void(double)> progress = [&](double tile) {
-      if (const std::lock_guard lock(mutex); (rendered += tile) < 1 && BuildBudget::Clock::now() > limits_.deadline)
+    const std::function<void(double)> progress = [&](double part) {
+      if (const std::lock_guard lock(mutex); (rendered += part) < 1 && BuildBudget::Clock::now() > limits_.deadline)
         throw RenderedForLong{};
     };
     const double cpu_before = process_cpu_s();

@@ -62,9 +62,9 @@ private:
 class FrameIntegrator {
 public:
   FrameIntegrator(const FrameScene& frame, const Tracer& tracer, const std::vector<Light>& lights, const PixelBox& window,
-                  IntegrateResult& out)
+                  const std::function<void(double)>& progress, IntegrateResult& out)
       : frame_(frame), tracer_(tracer), paths_(tracer, lights, frame), camera_(frame), filter_(frame.film.filter), window_(window),
-        out_(out), channels_(out.image, frame.film.aovs), surroundings_(tracer, camera_.bounds()),
+        progress_(progress), out_(out), channels_(out.image, frame.film.aovs), surroundings_(tracer, camera_.bounds()),
         frame_number_(static_cast<uint32_t>(std::llround(frame.frame))), is_exposed_(frame.moment && frame.camera.shutter > 0),
         batch_(samples_at_once(frame.film.spp, tracer.window_count())) {
     if (channels_.motion[0]) next_camera_.emplace(frame, 1);
@@ -76,7 +76,11 @@ public:
     const int x1 = std::min(x0 + k_tile, window_.x1), y1 = std::min(y0 + k_tile, window_.y1);
     Batch batch;
     for (int y = y0; y < y1; y += k_block)
-      for (int x = x0; x < x1; x += k_block) block({x, y, std::min(x + k_block, x1), std::min(y + k_block, y1)}, batch, tally);
+      for (int x = x0; x < x1; x += k_block) {
+        const PixelBox pixels{x, y, std::min(x + k_block, x1), std::min(y + k_block, y1)};
+        block(pixels, batch, tally);
+        progress_(static_cast<double>(pixels.area()) / static_cast<double>(window_.area()));
+      }
     const std::lock_guard lock(mutex_);
     out_.rays.add(tally.rays);
     out_.nonfinite += tally.nonfinite;
@@ -276,6 +280,7 @@ private:
   std::optional<MovingCamera> next_camera_; ///< a frame later: only where the film asks for motion
   PixelFilterSampler filter_;
   PixelBox window_;
+  const std::function<void(double)>& progress_;
   IntegrateResult& out_;
   Channels channels_;
   Surroundings surroundings_; ///< of the camera
@@ -291,12 +296,10 @@ IntegrateResult integrate(const FrameScene& frame, const Tracer& tracer, const s
                           const std::function<void(double)>& progress) {
   IntegrateResult result;
   result.image = FrameImage(frame.film.resolution, window);
-  FrameIntegrator integrator(frame, tracer, lights, window, result);
+  FrameIntegrator integrator(frame, tracer, lights, window, progress, result);
   const int columns = (window.width() + k_tile - 1) / k_tile, rows = (window.height() + k_tile - 1) / k_tile;
-  parallel_for(0, columns * rows, [&](int tile) {
-    integrator.tile(window.x0 + tile % columns * k_tile, window.y0 + tile / columns * k_tile);
-    progress(1.0 / (columns * rows));
-  });
+  parallel_for(0, columns * rows,
+               [&](int tile) { integrator.tile(window.x0 + tile % columns * k_tile, window.y0 + tile / columns * k_tile); });
   return result;
 }
 

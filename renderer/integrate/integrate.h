@@ -16,7 +16,8 @@ struct IntegrateResult {
 };
 
 /// Renders the pixels of `window` in the current TBB arena. A pixel depends on the scene, its place, the
-/// frame and nothing else. `progress` is called with each finished tile's share of the frame, by any thread.
+/// frame and nothing else. `progress` is called with the share of the frame that is newly finished, a few pixels at a time, by any
+/// thread; what it throws ends the rendering.
 IntegrateResult integrate(const FrameScene& frame, const Tracer& tracer, const std::vector<Light>& lights, const PixelBox& window,
                           const std::function<void(double)>& progress);
 
