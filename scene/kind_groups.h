@@ -39,7 +39,8 @@ struct RecordGroup {
 inline constexpr std::tuple k_groups{
     RecordGroup<Scene, Frames, Camera<AnimatedMode>, Film<AnimatedMode>, Shape, Library>{"the scene"},
     KindGroup<FieldKinds>{"field", "fields"},
-    RecordGroup<AxialAxis<AnimatedMode>, AxialFrame<AnimatedMode>>{"parts of fields"},
+    RecordGroup<AxialAxis<AnimatedMode>, AxialFrame<AnimatedMode>, MorphObject<AnimatedMode>, FeatureElement<AnimatedMode>,
+                MorphFeature<AnimatedMode>>{"parts of fields"},
     RecordGroup<Stop<AnimatedMode>>{"parts of materials"},
     KindGroup<MaterialKinds>{"material", "materials"},
     KindGroup<GeometryKinds>{"geometry", "geometry"},

@@ -31,6 +31,17 @@ Place place_of(std::string_view group, const std::string& json) {
     return {shape + R"("field":{"kind":"axial","axes":[{"rest":[[0,0,0],[0,1,0]],"deformed":[[0,0,0],[1,0,0]],"radius":1,"frames":[)" +
                 json + R"(]}],"child":)" + k_point + "}}]}",
             "shapes.a.field.axes.0.frames.0"};
+  const std::string metamorphosis = shape + R"("field":{"kind":"metamorphosis","objects":[)";
+  const std::string ball = R"("field":{"kind":"sdf_sphere","centre":[0,0,0],"sphere_radius":1})";
+  if (group == "morph_object") return {metamorphosis + json + "," + json + "]}}]}", "shapes.a.field.objects.0"};
+  if (group == "feature_element") {
+    const std::string object = "{" + ball + R"(,"elements":[)" + json + "]}";
+    return {metamorphosis + object + "," + object + "]}}]}", "shapes.a.field.objects.0.elements.0"};
+  }
+  if (group == "morph_feature") { // of the name that it has
+    const std::string object = "{" + ball + R"(,"elements":[{"centre":[0,0,0],"size":1,"name":"my name"}]})";
+    return {metamorphosis + object + "," + object + R"(],"features":[)" + json + "]}}]}", "shapes.a.field.features.0"};
+  }
   if (group == "stop")
     return {shape + "\"field\":" + k_point + R"(,"surface":{"kind":"marble","stops":[)" + json + "]}}]}", "shapes.a.surface.stops.0"};
   if (group == "geometry") return {shape + "\"geometry\":" + json + "}]}", "shapes.a.geometry"};
@@ -59,6 +70,12 @@ const T& found(const Scene& s) {
     return std::get<Axial<AnimatedMode>>(s.shapes[0].field->kind).axes[0];
   else if constexpr (std::is_same_v<T, AxialFrame<AnimatedMode>>)
     return std::get<Axial<AnimatedMode>>(s.shapes[0].field->kind).axes[0].frames[0];
+  else if constexpr (std::is_same_v<T, MorphObject<AnimatedMode>>)
+    return std::get<Metamorphosis<AnimatedMode>>(s.shapes[0].field->kind).objects[0];
+  else if constexpr (std::is_same_v<T, FeatureElement<AnimatedMode>>)
+    return std::get<Metamorphosis<AnimatedMode>>(s.shapes[0].field->kind).objects[0].elements[0];
+  else if constexpr (std::is_same_v<T, MorphFeature<AnimatedMode>>)
+    return std::get<Metamorphosis<AnimatedMode>>(s.shapes[0].field->kind).features[0];
   else if constexpr (std::is_constructible_v<FieldKinds::Variant<AnimatedMode>, T>)
     return std::get<T>(s.shapes[0].field->kind);
   else if constexpr (std::is_same_v<T, Stop<AnimatedMode>>)

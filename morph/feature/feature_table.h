@@ -61,7 +61,9 @@ struct MorphObject {
   static constexpr auto parameters() {
     return std::tuple{
         parameter("name", &MorphObject::name, "what `--set` and recipes call it"),
-        parameter("field", &MorphObject::field, "its shape, made of signed distances").required(),
+        parameter("field", &MorphObject::field, "its shape, made of signed distances")
+            .required()
+            .such_as(R"({"kind": "sdf_sphere", "centre": [0, 0, 0], "sphere_radius": 1})"),
         parameter("weight", &MorphObject::weight, "how much of it the features have that are not listed").at_least(0),
         parameter("elements", &MorphObject::elements, "where its features are"),
     };
