@@ -172,7 +172,9 @@ TEST(EveryParameter, KeepsToItsRange) {
       const bool is_vector = !text.empty() && text[0] == '[';
       for (const double number : outside(row.range)) {
         const auto commas = std::count(text.begin(), text.end(), ',');
-        const std::string value = !is_vector    ? fmt::format("{}", number)
+        const bool is_list = IsList<MemberOf<decltype(row)>> && !row.is_number_for_all;
+        const std::string value = is_list       ? fmt::format("[{}]", number)
+                                  : !is_vector  ? fmt::format("{}", number)
                                   : commas == 1 ? fmt::format("[1,{}]", number)
                                                 : fmt::format("[1,1,{}]", number);
         const std::string errors = folder.errors(place.scene, {{fmt::format("{}.{}={}", place.path, row.name, value)}, {}});
