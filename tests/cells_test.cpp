@@ -182,7 +182,7 @@ TEST(Cells, PrunedEqualsFullOfEveryKind) {
 }
 
 TEST(Cells, PrunedEqualsFullInMotion) {
-  const EveryKind kinds;
+  const EveryKind kinds(Metamorphoses::left_out);
   Compared compared;
   const auto look = [&](const MovingField& field, double last_threshold, const CellLimits& limits, uint32_t windows, double precision) {
     if (const auto shape = moving_cells(field, last_threshold, limits, windows)) expect_pruned_equals_full(*shape, compared, precision);
