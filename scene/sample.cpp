@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "base/sample_record.h"
-#include "morph/feature/open_distances.h"
 #include "morph/field_fold.h"
+#include "morph/open_distances.h"
 #include "scene/pixel_scale.h"
 
 namespace kelpie {

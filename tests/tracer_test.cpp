@@ -127,7 +127,8 @@ TEST(Tracer, APacketIsNoMoreThanItsRays) {
     ask(examination.tracer(), Way::alone, questions);
     for (size_t i = 0; i < first.size(); ++i) {
       hits += first[i].found;
-      far_apart += first[i].found != questions[i].found || std::abs(first[i].hit.t - questions[i].hit.t) > 1e-5f * examination.size();
+      far_apart += first[i].found != questions[i].found ||
+                   std::abs(first[i].hit.t - questions[i].hit.t) > 2e-5f * examination.size(); // each may be off by half of that
     }
   }
   EXPECT_GT(hits, 5000u);

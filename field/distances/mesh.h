@@ -50,7 +50,7 @@ Sorkine-Hornung 2013, Barill et al. 2018 (winding numbers).)";
   DistanceFalloff falloff = DistanceFalloff::distance;
 
   std::shared_ptr<const DistanceGrid> grid; ///< filled by the reader
-  std::shared_ptr<const FarDistances> far;  ///< of a field that is to reach farther than the grid (morph/feature/open_distances.h)
+  std::shared_ptr<const FarDistances> far;  ///< of a field that is to reach farther than the grid (morph/open_distances.h)
 
   static constexpr auto parameters() {
     return std::tuple{

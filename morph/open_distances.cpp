@@ -1,4 +1,4 @@
-#include "morph/feature/open_distances.h"
+#include "morph/open_distances.h"
 
 #include <cmath>
 
