@@ -50,7 +50,7 @@ void check(const std::string& path, const RenderOptions& options) {
   set_activity(fmt::format("reading {}", path));
   Diagnostics diagnostics;
   Heartbeat reading(ProgressMode::automatic, fmt::format("reading {}", path));
-  Scene scene = read_scene(path, options.read_options(), diagnostics);
+  Scene scene = read_scene(path, options.read, diagnostics);
   reading.stop();
   const PixelBox window = apply_film_options(options, scene.film);
   const std::vector<int> frames = parse_frames(options.frames.value_or(fmt::format("{}-{}", scene.frames.first, scene.frames.last)));
@@ -80,7 +80,6 @@ void add_check(CLI::App& app) {
   command.add_option("-f,--frames", options->frames, "the frames that would be rendered [all of the scene]");
   add_film_options(command, *options);
   command.add_option("-j,--threads", options->threads, "threads that would be used [all cores]")->check(CLI::Range(0, 4096));
-  command.add_flag("--no-cache", options->no_cache, "make the distances of meshes anew, and keep nothing in ~/.cache/kelpie");
   command.callback([=] { check(*path, *options); });
 }
 

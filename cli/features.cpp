@@ -16,6 +16,9 @@ namespace kelpie {
 
 namespace {
 
+/// Voxels of the fields that are written, in those that parts are found with: thin sheets show the coarser ones.
+constexpr double k_field_voxels = 0.5;
+
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
@@ -30,7 +33,7 @@ struct FeaturesOptions {
 struct Solid {
   std::string file, name;
   Vec3d shift{0};
-  double scale = 1;
+  double scale = 1, voxel = 1; ///< the latter of its field
   Parts parts;
 };
 
@@ -41,8 +44,10 @@ Solid load(const std::string& file, const FeaturesOptions& o, Diagnostics& diagn
   Solid solid;
   solid.file = file, solid.name = fs::path(file).stem().string();
   const auto grid = load_distance_grid(file, {}, !o.no_cache, diagnostics);
+  solid.voxel = grid->voxel() * k_field_voxels;
   solid.parts.boxes = part_boxes(*grid);
-  if (solid.parts.boxes.empty()) throw Error(ExitStatus::bad_data, fmt::format("{}: nothing is inside it", file));
+  if (solid.parts.boxes.empty())
+    throw Error(ExitStatus::bad_data, fmt::format("{}: nothing is inside it, or only what is thinner than {:.2g}", file, grid->voxel()));
   const Box3d padded = grid->box();
   for (const PartBox& part : solid.parts.boxes)
     for (int corner = 0; corner < 8; ++corner)
@@ -58,7 +63,9 @@ Solid load(const std::string& file, const FeaturesOptions& o, Diagnostics& diagn
 Json field_of(const Solid& solid, const fs::path& folder) {
   std::error_code error;
   const fs::path relative = fs::relative(solid.file, folder, error);
-  const Json mesh{{"kind", "sdf_mesh"}, {"file", error || relative.empty() ? fs::absolute(solid.file).string() : relative.string()}};
+  const Json mesh{{"kind", "sdf_mesh"},
+                  {"file", error || relative.empty() ? fs::absolute(solid.file).string() : relative.string()},
+                  {"voxel", solid.voxel}};
   return {{"kind", "scale"}, {"by", solid.scale}, {"child", {{"kind", "translate"}, {"by", json_of(solid.shift)}, {"child", mesh}}}};
 }
 
@@ -68,20 +75,19 @@ Json element_of(const std::string& name, const Solid& solid, const PartBox& part
   return e;
 }
 
-/// So many metres wide, about 1 high.
+/// One solid, or several side by side over a width; about 1 high. The camera looks down so far that it sees the floor only.
 Json scene_of(Json shapes, double width) {
   constexpr const char* k_ground = "#b9b4ac";
   shapes.push_back({{"name", "floor"}, {"geometry", {{"kind", "plane"}}}, {"surface", {{"kind", "matte"}, {"colour", k_ground}}}});
   const bool is_row = width > 1;
-  return {
-      {"kelpie", 1},
-      {"camera",
-       {{"position", {is_row ? 0.0 : 1.5, 0.9 + 0.3 * width, 1.4 + 1.3 * width}}, {"look_at", {0, 0.48, 0}}, {"fov", is_row ? 36 : 28}}},
-      {"film", {{"resolution", {is_row ? 1280 : 640, 640}}, {"background", k_ground}}},
-      {"lights",
-       {{{"kind", "environment"}, {"preset", "studio"}},
-        {{"kind", "sun"}, {"direction", {-1, 2.2, 1.6}}, {"strength", 1.6}, {"angle", 6}}}},
-      {"shapes", std::move(shapes)}};
+  const double away = is_row ? 0.8 * width : 3.1; // to the front
+  return {{"kelpie", 1},
+          {"camera", {{"position", {is_row ? 0.0 : 1.9, 0.5 + 0.45 * away, away}}, {"look_at", {0, 0.48, 0}}, {"fov", is_row ? 36 : 24}}},
+          {"film", {{"resolution", {is_row ? 1280 : 640, 640}}, {"background", k_ground}}},
+          {"lights",
+           {{{"kind", "environment"}, {"preset", "studio"}},
+            {{"kind", "sun"}, {"direction", {-1, 2.2, 1.6}}, {"strength", 1.6}, {"angle", 6}}}},
+          {"shapes", std::move(shapes)}};
 }
 
 Json metamorphosis(const std::vector<Solid>& solids, const std::vector<ProposedFeature>& features, const fs::path& folder) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "cli/read_options.h"
 #include "colour/spaces.h"
 
 namespace kelpie {
@@ -63,11 +64,8 @@ void add_film_options(CLI::App& command, RenderOptions& o) {
                    "add the channel cost: evaluations of fields for each sample of a pixel (`kelpie view --channel cost`; slower)");
   command.add_option("--quality", o.quality, "draft: half the size, an eighth of the samples; final: as the scene says")
       ->check(CLI::IsMember({"draft", "final"}));
-  command.add_option("--set", o.set, "change a value of the scene: shapes.drop.threshold=1.1 (may be repeated)")->allow_extra_args(false);
-  command.add_option("--recipe", o.recipe, "one of the scene's recipes: values that it changes, before --set does")->option_text("NAME");
-  command.add_option("--recipes", o.recipes, "a file with further recipes (may be repeated)")->allow_extra_args(false)->option_text("FILE");
-  command.add_option("--allow-path", o.allow_paths, "a folder outside the scene's own that its files may lie in (may be repeated)")
-      ->allow_extra_args(false);
+  add_read_options(command, o.read);
+  add_recipe_option(command, o.read);
   command
       .add_option("--max-memory", o.max_memory,
                   "what is built of a frame may take so much, 500M or 8G: beyond it cells become coarser and rays slower [no cap]")

@@ -7,7 +7,7 @@
 
 namespace kelpie {
 
-/// Adds --res, --spp, --crop, --quality, --heatmap, --set, --recipe, --recipes, --allow-path, --max-memory and --ocio.
+/// Adds --res, --spp, --crop, --quality, --heatmap, --set, --recipe, --recipes, --allow-path, --no-cache, --max-memory and --ocio.
 void add_film_options(CLI::App& command, RenderOptions& options);
 
 /// Applies --res, --spp, --quality and --heatmap to the film; returns the window that --crop leaves of it.

@@ -58,7 +58,7 @@ LiquidSceneOptions scene_options(const Options& o) {
 }
 
 LiquidEnd make_end(const std::string& path, const std::string& up, const FitCommandOptions& o) {
-  LiquidEnd end{path, {}, fit_and_report(path, o).blobs, {up}};
+  LiquidEnd end{path, o.weld, {}, fit_and_report(path, o).blobs, {up}};
   Diagnostics quiet; // what there is to say was said when blobs were fitted
   end.mesh = load_mesh(path, quiet, {o.weld});
   return end;

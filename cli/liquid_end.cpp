@@ -21,26 +21,19 @@ constexpr double k_size = 3, k_most_size_ratio = 1.5;
 constexpr int k_turns = 24;
 constexpr double k_worth_turning = 0.7;
 
+/// About which axis, and by how many degrees, each direction of k_up_axes turns up.
 struct Rotation {
-  const char* name;
   Vec3d axis;
   double degrees;
 };
-/// What turns each direction up.
-constexpr std::array<Rotation, 6> k_upright{{{"+x", {0, 0, 1}, 90},
-                                             {"-x", {0, 0, 1}, -90},
-                                             {"+y", {1, 0, 0}, 0},
-                                             {"-y", {1, 0, 0}, 180},
-                                             {"+z", {1, 0, 0}, -90},
-                                             {"-z", {1, 0, 0}, 90}}};
+constexpr std::array<Rotation, std::size(k_up_axes)> k_upright{
+    {{{0, 0, 1}, 90}, {{0, 0, 1}, -90}, {{1, 0, 0}, 0}, {{1, 0, 0}, 180}, {{1, 0, 0}, -90}, {{1, 0, 0}, 90}}};
 
-const Rotation& upright(const std::string& up) {
-  return *std::find_if(k_upright.begin(), k_upright.end(), [&](const Rotation& r) { return r.name == up; });
+const Rotation& upright(std::string_view up) {
+  return k_upright[size_t(std::find(std::begin(k_up_axes), std::end(k_up_axes), up) - std::begin(k_up_axes))];
 }
 
-Vec3d rotated(const Vec3d& p, const Vec3d& axis, double degrees) {
-  return Vec3d(glm::rotate(glm::dmat4(1), glm::radians(degrees), axis) * glm::dvec4(p, 1));
-}
+glm::dmat3 rotation(const Vec3d& axis, double degrees) { return glm::dmat3(glm::rotate(glm::dmat4(1), glm::radians(degrees), axis)); }
 
 std::string rotation_text(const Vec3d& axis, double degrees, const std::string& child) {
   if (degrees == 0) return child;
@@ -55,7 +48,8 @@ struct Extent {
 
 Extent measure(const Mesh& mesh, const Placement& placement) {
   Extent e;
-  for (const Vec3d& p : mesh.positions) e.box.extend(placement.turned(p + mesh.origin));
+  const glm::dmat3 turning = placement.turning();
+  for (const Vec3d& p : mesh.positions) e.box.extend(turning * (p + mesh.origin));
   e.volume = std::abs(signed_volume(mesh));
   return e;
 }
@@ -81,7 +75,8 @@ double distance_between(const BlobCloud& a, const BlobCloud& b) {
 double best_turn(const BlobCloud& cloud, const BlobCloud& other) {
   const auto distance_at = [&](double degrees) {
     BlobCloud turned = cloud;
-    for (Blob& b : turned) b.centre = Vec3(rotated(Vec3d(b.centre), {0, 1, 0}, degrees));
+    const glm::dmat3 turning = rotation({0, 1, 0}, degrees);
+    for (Blob& b : turned) b.centre = Vec3(turning * Vec3d(b.centre));
     return distance_between(turned, other);
   };
   const double as_it_stands = distance_at(0);
@@ -95,25 +90,27 @@ double best_turn(const BlobCloud& cloud, const BlobCloud& other) {
 
 /// What lies far from nearly all of a mesh decides how large it is shown.
 void warn_of_specks(const LiquidEnd& end, const char* which) {
-  constexpr float k_dot = 0.1f;
-  const CloudExtent e = extent_of(end.fit);
-  if (e.bulk.diagonal() > k_dot * e.box.diagonal()) return;
-  const Vec3 c = e.bulk.centre();
+  constexpr double k_dot = 0.1;
+  const Box3 bulk = extent_of(end.fit).bulk;
+  const double share = double(bulk.diagonal()) / bounding_box(end.mesh).diagonal(); // a speck may have no blob
+  if (share > k_dot) return;
+  const Vec3d c = Vec3d(bulk.centre()) + end.mesh.origin;
   print_message(fmt::format(
       "warning: nearly all of the {} mesh, around ({:.4g}, {:.4g}, {:.4g}), is {:.2g} of its size: a speck far from it makes it "
       "a dot; remove what is small and far away\n",
-      which, c.x, c.y, c.z, e.bulk.diagonal() / e.box.diagonal()));
+      which, c.x, c.y, c.z, share));
 }
 
 } // namespace
 
-Vec3d Placement::turned(const Vec3d& p) const {
+glm::dmat3 Placement::turning() const {
   const Rotation& r = upright(up);
-  return rotated(rotated(p, r.axis, r.degrees), {0, 1, 0}, turn);
+  return rotation({0, 1, 0}, turn) * rotation(r.axis, r.degrees);
 }
 
 BlobCloud Placement::placed(BlobCloud cloud) const {
-  for (Blob& b : cloud) b.centre = Vec3(placed(Vec3d(b.centre))), b.radius *= static_cast<float>(scale);
+  const Affine place = map();
+  for (Blob& b : cloud) b.centre = Vec3(place(Vec3d(b.centre))), b.radius *= static_cast<float>(scale);
   return cloud;
 }
 
@@ -129,9 +126,9 @@ void place_together(LiquidEnd& from, LiquidEnd& to, std::optional<double> turn) 
   warn_of_specks(from, "first"), warn_of_specks(to, "second");
   const auto place = [&] {
     const Extent first = measure(from.mesh, from.placement), second = measure(to.mesh, to.placement);
-    const double size_a = first.box.diagonal(), size_b = second.box.diagonal(), by_size = size_a / size_b; // fits have an extent
-    // The factor of the second mesh relative to the first.
-    const double by_volume = first.volume > 0 && second.volume > 0 ? std::cbrt(first.volume / second.volume) : by_size;
+    const double size_a = first.box.diagonal(), size_b = second.box.diagonal(), by_size = size_a / size_b; // a fitted mesh has an extent
+    // The factor of the second mesh relative to the first. What was fitted encloses something.
+    const double by_volume = std::cbrt(first.volume / second.volume);
     const double ratio = std::clamp(by_volume, by_size / k_most_size_ratio, by_size * k_most_size_ratio);
     from.placement.scale = k_size / std::max(size_a, ratio * size_b), to.placement.scale = from.placement.scale * ratio;
     from.placement.foot = foot_of(first.box), to.placement.foot = foot_of(second.box);

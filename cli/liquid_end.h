@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "base/affine.h"
 #include "base/box.h"
 #include "field/mesh/mesh.h"
 #include "field/potential/blob.h"
@@ -20,8 +21,8 @@ struct Placement {
   Vec3d foot{0};         ///< what comes to stand in the origin, turned
   double scale = 1;
 
-  Vec3d turned(const Vec3d& p) const;
-  Vec3d placed(const Vec3d& p) const { return (turned(p) - foot) * scale; }
+  glm::dmat3 turning() const;
+  Affine map() const { return {scale * turning(), -scale * foot}; }
   BlobCloud placed(BlobCloud) const;
   /// `field`, a field of a scene file that lives in the mesh's coordinates, in its place.
   std::string placed_text(std::string field) const;
@@ -29,6 +30,7 @@ struct Placement {
 
 struct LiquidEnd {
   std::string path; ///< of the mesh's file
+  double weld = 0;  ///< as in MeshOptions
   Mesh mesh;        ///< in its coordinates, as the fit
   BlobCloud fit;
   Placement placement; ///< `up` is given, the rest is found by place_together

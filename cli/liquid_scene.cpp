@@ -50,8 +50,9 @@ struct Passage {
 
 void see(const LiquidEnd& end, SubjectMoment& moment) {
   const size_t step = 1 + end.mesh.positions.size() / k_seen_vertices;
+  const Affine place = end.placement.map();
   for (size_t i = 0; i < end.mesh.positions.size(); i += step)
-    moment.points.push_back(Vec3(end.placement.placed(end.mesh.origin + end.mesh.positions[i])));
+    moment.points.push_back(Vec3(place(end.mesh.origin + end.mesh.positions[i])));
 }
 
 /// What the camera follows.
@@ -81,8 +82,9 @@ bool is_pattern(std::string_view name) {
 std::string mesh_text(const LiquidEnd& end, const std::string& file, const std::string& weight) {
   const Vec3d extent = bounding_box(end.mesh).extent();
   const double voxel = std::max({extent.x, extent.y, extent.z}) / k_voxels;
-  return end.placement.placed_text(fmt::format(R"({{ "kind": "sdf_mesh", "file": "{}", "voxel": {:.4g}, "crease": {}, "weight": {} }})",
-                                               file, voxel, k_crease_degrees, weight));
+  const std::string weld = end.weld > 0 ? fmt::format(", \"weld\": {:.9g}", end.weld) : "";
+  return end.placement.placed_text(fmt::format(R"({{ "kind": "sdf_mesh", "file": "{}", "voxel": {:.4g}, "crease": {}{}, "weight": {} }})",
+                                               file, voxel, k_crease_degrees, weld, weight));
 }
 
 /// `more`: further parameters, each after a comma.

@@ -100,7 +100,8 @@ Quote a pattern, so that the shell leaves its # alone. A frame that is missing i
   command->add_option("--width", options->width, "resize to so many pixels [as they are]")
       ->check(CLI::Range(2, 16384))
       ->option_text("PIXELS");
-  add_picture_options(*command, options->picture);
+  add_view_options(*command, options->picture);
+  add_channel_option(*command, options->picture);
   add_progress_option(*command, options->progress);
   command->callback([options] { make_movie(*options); });
 }

@@ -13,7 +13,7 @@
 
 namespace kelpie {
 
-void add_picture_options(CLI::App& app, PictureOptions& options) {
+void add_view_options(CLI::App& app, PictureOptions& options) {
   app.add_option(
          "--view", options.view,
          "how light becomes a picture: ACES (soft highlights), sRGB (plain, clips at 1), raw, or a view of your OCIO config [its default]")
@@ -21,23 +21,29 @@ void add_picture_options(CLI::App& app, PictureOptions& options) {
   app.add_option("--exposure", options.exposure, "brighter or darker by so many stops: 1 doubles the light, -1 halves it [0]")
       ->check(number_between(-100, 100))
       ->option_text("STOPS");
+  app.add_option("--ocio", options.ocio, "OCIO config file [$OCIO, else a built-in ACES config]")->option_text("FILE");
+}
+
+void add_channel_option(CLI::App& app, PictureOptions& options) {
   app.add_option("--channel", options.channel,
                  "show this instead of the colours: Z (depth), N (normals), P (positions), albedo, A, cost (evaluations a sample: blue 10, "
                  "green 100, yellow 1000, red "
                  "10,000, white 100,000), or any channel")
       ->option_text("NAME");
-  app.add_option("--ocio", options.ocio, "OCIO config file [$OCIO, else a built-in ACES config]")->option_text("FILE");
 }
 
 PictureMaker::PictureMaker(const PictureOptions& options)
     : options_(options), view_((use_ocio_config(options.ocio), DisplayView(options.view))) {}
 
-Picture PictureMaker::make(const std::string& path, int width) const { return make(read_exr(path), width); }
+Picture PictureMaker::make(const std::string& path, int width) const {
+  return develop(picture_of(read_exr(path), options_.channel), width);
+}
 
-Picture PictureMaker::make(const DecodedFrame& frame, int width) const {
-  Picture picture = picture_of(frame, options_.channel);
+Picture PictureMaker::make(const FrameImage& image) const { return develop(picture_of(image), 0); }
+
+Picture PictureMaker::develop(Picture picture, int width) const {
   if (width > 0 && width != picture.width) picture = resize(picture, width);
-  develop(picture, view_, options_.exposure);
+  kelpie::develop(picture, view_, options_.exposure);
   return picture;
 }
 

@@ -17,8 +17,11 @@ struct PictureOptions {
   float exposure = 0;
 };
 
-/// Adds --view, --exposure, --channel and --ocio.
-void add_picture_options(CLI::App&, PictureOptions&);
+/// Adds --view, --exposure and --ocio.
+void add_view_options(CLI::App&, PictureOptions&);
+
+/// Adds --channel, for commands that show files.
+void add_channel_option(CLI::App&, PictureOptions&);
 
 /// Develops frames alike. Constructing it settles the OCIO config and the view, so that a wrong one is
 /// reported before any work is done.
@@ -28,10 +31,13 @@ public:
 
   /// The frame in this file, display-referred; resized to `width` unless that is 0.
   Picture make(const std::string& path, int width = 0) const;
-  Picture make(const DecodedFrame&, int width = 0) const;
+  /// A frame that was just rendered, display-referred.
+  Picture make(const FrameImage&) const;
   bool is_srgb() const { return view_.is_srgb(); }
 
 private:
+  Picture develop(Picture, int width) const;
+
   PictureOptions options_;
   DisplayView view_;
 };

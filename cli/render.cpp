@@ -101,7 +101,6 @@ void add_render_options(CLI::App& command, RenderOptions& o) {
   command.add_flag("--skip-existing", o.skip_existing, "keep frames that exist, are whole, and are of this very scene");
   command.add_option("--stats", o.stats, "write times and counts to a JSON file");
   add_progress_option(command, o.progress);
-  command.add_flag("--no-cache", o.no_cache, "make the distances of meshes anew, and keep nothing in ~/.cache/kelpie");
 }
 
 void render_scene(const std::string& scene_path, const std::string& name, const RenderOptions& options) {
@@ -112,7 +111,7 @@ void render_scene(const std::string& scene_path, const std::string& name, const 
 
   Diagnostics diagnostics;
   Heartbeat reading(options.progress, fmt::format("reading {}", scene_path));
-  Scene scene = read_scene(scene_path, options.read_options(), diagnostics);
+  Scene scene = read_scene(scene_path, options.read, diagnostics);
   reading.stop();
   print_warnings(diagnostics);
   const PixelBox window = apply_film_options(options, scene.film);

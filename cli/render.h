@@ -21,17 +21,12 @@ struct RenderOptions {
   int spp = 0;                       ///< 0: as in the scene
   int threads = 0;                   ///< 0: all cores
   bool skip_existing = false;
-  bool no_cache = false;
   bool heatmap = false; ///< add the channel `cost`
   std::string stats;    ///< a JSON file, or empty
   ProgressMode progress = ProgressMode::automatic;
   uint64_t max_memory = 0; ///< what building a frame may take, bytes; 0: no cap
   std::string ocio;        ///< an OCIO config, or empty
-  std::vector<std::string> set, allow_paths;
-  std::string recipe;               ///< one of the scene's, or empty
-  std::vector<std::string> recipes; ///< further files with recipes
-
-  ReadOptions read_options() const { return {set, allow_paths, !no_cache, recipe, recipes}; }
+  ReadOptions read;
 };
 
 /// Adds the options of RenderOptions to a command, with their help.

@@ -13,6 +13,7 @@
 #include "cli/failure.h"
 #include "cli/picture_options.h"
 #include "cli/progress.h"
+#include "cli/read_options.h"
 #include "cli/report_text.h"
 #include "renderer/output/sequence.h"
 #include "renderer/render_frame.h"
@@ -25,8 +26,7 @@ namespace {
 struct ReportOptions {
   std::string scene, frames, subject, json, page;
   int resolution = 96, threads = 0;
-  std::vector<std::string> set, allow_paths;
-  bool no_cache = false;
+  ReadOptions read;
   ProgressMode progress = ProgressMode::automatic;
   PictureOptions picture;
 };
@@ -73,18 +73,18 @@ Scene resized(Scene scene, int width) {
 /// What is rendered of each frame.
 class Pictures {
 public:
-  Pictures(const Scene& scene, size_t subject, const PictureOptions& options) : maker_(options), seen_(resized(scene, k_thumbnail_width)) {
+  Pictures(const Scene& scene, size_t subject, const PictureMaker& maker) : maker_(maker), seen_(resized(scene, k_thumbnail_width)) {
     seen_.film.spp = k_thumbnail_samples, seen_.film.bounces = std::min(seen_.film.bounces, k_thumbnail_bounces);
     seen_.film.aovs = {};
     alone_ = resized(scene, k_bumps_width);
     alone_.shapes = {scene.shapes[subject]};
     alone_.lights = {};
-    alone_.camera.shutter = 0.f;
+    alone_.camera.shutter = 0.f, alone_.camera.aperture = 0.f;
     alone_.film.spp = 1, alone_.film.bounces = 0, alone_.film.filter = PixelFilter::centre, alone_.film.aovs = {Aov::N};
   }
 
   std::optional<Bumps> bumps(int frame) { return bumps_of(image_of(alone_, frame)); }
-  Picture picture(int frame) { return maker_.make(DecodedFrame{image_of(seen_, frame), {}, {}, {}, {}}); }
+  Picture picture(int frame) { return maker_.make(image_of(seen_, frame)); }
   std::vector<unsigned char> png(const Picture& picture) const { return encode_png(picture, 8, maker_.is_srgb()); }
 
 private:
@@ -94,7 +94,7 @@ private:
     return render_frame(scene, frame, {0, 0, size.x, size.y}, {environments_, unused, [](double) {}}).image;
   }
 
-  PictureMaker maker_;
+  const PictureMaker& maker_;
   Scene seen_, alone_;
   EnvironmentCache environments_;
 };
@@ -106,12 +106,12 @@ double difference(const Picture& a, const Picture& b) {
   return sum / double(a.rgb.size());
 }
 
-MorphReport measure(const Scene& scene, const ReportOptions& o) {
+MorphReport measure(const Scene& scene, const ReportOptions& o, const PictureMaker& maker) {
   const size_t subject = subject_of(scene, o);
   const std::vector<int> frames = frames_of(scene, o);
   MorphReport report;
   report.scene = o.scene, report.subject = scene.shapes[subject].name, report.resolution = o.resolution;
-  Pictures pictures(scene, subject, o.picture);
+  Pictures pictures(scene, subject, maker);
   set_activity("finding the ends of the morph");
   MorphMeasurer measurer(scene, subject, frames, o.resolution);
   Progress progress(o.progress, double(frames.size()), "frames");
@@ -136,11 +136,12 @@ void report(ReportOptions o) {
   if (o.page.empty() && o.json.empty()) o.page = std::filesystem::path(o.scene).stem().string() + ".html";
   for (const std::string& output : {o.page, o.json})
     if (!output.empty()) require_writable(output);
+  const PictureMaker maker(o.picture); // a scene's colours are read by the config that it settles
   set_activity(fmt::format("reading {}", o.scene));
   Diagnostics diagnostics;
-  const Scene scene = read_scene(o.scene, {o.set, o.allow_paths, !o.no_cache}, diagnostics);
+  const Scene scene = read_scene(o.scene, o.read, diagnostics);
   print_warnings(diagnostics);
-  const MorphReport found = measure(scene, o);
+  const MorphReport found = measure(scene, o, maker);
   std::vector<FileToWrite> files;
   if (!o.page.empty()) files.push_back({o.page, report_page(found)});
   if (!o.json.empty()) files.push_back({o.json, report_json(found)});
@@ -170,10 +171,9 @@ void add_report(CLI::App& app) {
       ->check(CLI::Range(8, 384))
       ->capture_default_str();
   command.add_option("-j,--threads", options->threads, "threads to use [all cores]")->check(CLI::Range(0, 4096));
-  command.add_option("--set", options->set, "change the scene before it is read: shapes.drop.threshold=1.1")->option_text("PATH=VALUE");
-  command.add_option("--allow-path", options->allow_paths, "a folder outside the scene's that it may read files from");
-  command.add_flag("--no-cache", options->no_cache, "make the distances of meshes anew, and keep nothing in ~/.cache/kelpie");
-  add_picture_options(command, options->picture);
+  add_read_options(command, options->read);
+  add_recipe_option(command, options->read);
+  add_view_options(command, options->picture);
   add_progress_option(command, options->progress);
   command.callback([options] { report(*options); });
 }

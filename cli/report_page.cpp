@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "cli/report_text.h"
+#include "renderer/output/picture.h"
 
 namespace kelpie {
 
@@ -27,18 +28,6 @@ std::string escaped(std::string_view text) {
     case '"': out += "&quot;"; break;
     default: out += c;
     }
-  return out;
-}
-
-std::string base64(const std::vector<unsigned char>& bytes) {
-  constexpr std::string_view k_digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    const size_t left = std::min<size_t>(3, bytes.size() - i);
-    unsigned bits = 0;
-    for (size_t k = 0; k < 3; ++k) bits = bits << 8 | (k < left ? bytes[i + k] : 0u);
-    for (size_t k = 0; k < 4; ++k) out += k <= left ? k_digits[bits >> (18 - 6 * k) & 63] : '=';
-  }
   return out;
 }
 

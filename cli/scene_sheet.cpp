@@ -9,6 +9,7 @@
 #include "base/file_bytes.h"
 #include "cli/failure.h"
 #include "cli/random_recipes.h"
+#include "cli/read_options.h"
 #include "renderer/output/sequence.h"
 
 namespace kelpie {
@@ -49,7 +50,7 @@ struct Plan {
 };
 
 void apply(const Change& change, RenderOptions& options) {
-  if (!change.set.empty()) options.set.push_back(change.set);
+  if (!change.set.empty()) options.read.set.push_back(change.set);
   if (!change.frames.empty()) options.frames = change.frames;
 }
 
@@ -74,34 +75,58 @@ void plan_recipes(const std::string& scene, const VariationOptions& v, RenderOpt
   if (v.random > 0) {
     const std::string file = folder + "/recipes.json", drawn = random_recipes(scene, v.random, v.seed);
     write_file_atomically(file, as_bytes(drawn));
-    const std::vector<std::string> before = read_recipe_names(scene, options.read_options());
-    options.recipes.push_back(file);
-    for (const std::string& name : read_recipe_names(scene, options.read_options()))
+    const std::vector<std::string> before = read_recipe_names(scene, options.read);
+    options.read.libraries.push_back(file);
+    for (const std::string& name : read_recipe_names(scene, options.read))
       if (std::find(before.begin(), before.end(), name) == before.end()) names.push_back(name);
   } else if (v.all_recipes) {
-    names = read_recipe_names(scene, options.read_options());
+    names = read_recipe_names(scene, options.read);
     if (names.empty()) throw Error(ExitStatus::bad_data, fmt::format("{}: it has no recipes", scene));
   }
   for (const std::string& name : names) {
-    options.recipe = name;
+    options.read.recipe = name;
     plan.add({name, name}, options);
   }
 }
 
 } // namespace
 
+void add_variation_options(CLI::App& command, VariationOptions& o, RenderOptions& scene) {
+  CLI::Option* const recipe =
+      command.add_option("--recipe", o.recipes, "of a scene: this recipe (may be repeated)")->allow_extra_args(false)->option_text("NAME");
+  CLI::Option* const all = command.add_flag("--all-recipes", o.all_recipes, "of a scene: all its recipes");
+  CLI::Option* const random =
+      command
+          .add_option("--random", o.random,
+                      "of a scene with a metamorphosis: so many recipes drawn at random, kept in SHEET_tiles/recipes.json")
+          ->check(CLI::Range(1, 2000))
+          ->option_text("N");
+  command.add_option("--seed", o.seed, "which random ones [1]")->needs(random)->option_text("N");
+  CLI::Option* const across =
+      command.add_option("--across", o.across, "of a scene: a column for each value; the path `frame` is the frame")
+          ->option_text("PATH=V|V|…");
+  CLI::Option* const down = command.add_option("--down", o.down, "of a scene: a row for each value")->option_text("PATH=V|V|…");
+  all->excludes(recipe), random->excludes(recipe)->excludes(all);
+  for (CLI::Option* const table : {across, down}) table->excludes(recipe)->excludes(all)->excludes(random);
+  command.add_option("--spp", scene.spp, "of a scene: samples per pixel")->check(CLI::Range(1, 1 << 20))->option_text("N");
+  add_read_options(command, scene.read);
+}
+
+bool is_changed(const RenderOptions& o) {
+  return o.spp > 0 || !o.read.set.empty() || !o.read.libraries.empty() || !o.read.allow_paths.empty();
+}
+
 bool has_variations(const VariationOptions& v) {
   return !v.recipes.empty() || v.all_recipes || v.random > 0 || !v.across.empty() || !v.down.empty();
 }
 
 TileSheet render_tiles(const std::string& scene, const VariationOptions& v, int width, const std::string& folder, RenderOptions options) {
-  std::filesystem::create_directories(folder);
   const ProgressMode mode = options.progress;
   options.progress = ProgressMode::none;
   options.skip_existing = true;
   {
     Diagnostics diagnostics; // the scene's own shape of the picture, and its first frame
-    const Scene plain = read_scene(scene, options.read_options(), diagnostics);
+    const Scene plain = read_scene(scene, options.read, diagnostics);
     const Vec2i size = plain.film.resolution;
     const int height = std::max(1, static_cast<int>(std::lround(double(width) * size.y / size.x)));
     if (options.resolution.empty()) options.resolution = fmt::format("{}x{}", width, height);

@@ -28,8 +28,14 @@ struct TileSheet {
   int columns = 0;                ///< 0: as it fits
 };
 
+/// Adds the options of what to vary, and those of the scene that is.
+void add_variation_options(CLI::App& command, VariationOptions&, RenderOptions& scene);
+
 /// Whether anything is to be varied.
 bool has_variations(const VariationOptions&);
+
+/// Whether anything was said of the scene.
+bool is_changed(const RenderOptions& scene);
 
 /// Renders the tiles of a scene, `width` pixels wide, into `folder`, but those that are there and complete. Random recipes are written to
 /// `folder`/recipes.json first. Throws Error.

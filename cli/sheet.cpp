@@ -11,6 +11,7 @@
 #include "cli/progress.h"
 #include "cli/scene_sheet.h"
 #include "renderer/output/label.h"
+#include "renderer/output/sequence.h"
 
 namespace kelpie {
 
@@ -66,6 +67,8 @@ void put_label(Picture& sheet, const Grid& grid, int index, const std::string& t
 TileSheet render(const SheetOptions& o) {
   if (!has_variations(o.vary))
     throw Error(ExitStatus::usage, "of a scene a sheet shows variations: --recipe NAME, --all-recipes, --random N, --across or --down");
+  if (!o.frames.empty() && parse_frames(o.frames).size() > 1)
+    throw Error(ExitStatus::usage, "of a scene --frames is one frame; --across 'frame=1|24|48' shows several");
   RenderOptions options = o.render;
   options.ocio = o.picture.ocio;
   options.progress = o.progress;
@@ -78,6 +81,8 @@ void make_sheet(const SheetOptions& o) {
   set_activity("making the sheet");
   require_writable(o.output);
   const PictureMaker maker(o.picture);
+  if (!is_scene(o) && (has_variations(o.vary) || is_changed(o.render)))
+    throw Error(ExitStatus::usage, "pictures cannot be varied: what is said of a scene needs one (SCENE.json), and nothing beside it");
   const TileSheet tiles = is_scene(o) ? render(o) : TileSheet{{}, frame_files(o.inputs, o.frames), 0};
   const std::vector<std::string>& files = tiles.files;
   const Picture first = maker.make(files.front(), o.width);
@@ -131,28 +136,9 @@ Quote a pattern, so that the shell leaves its # alone.)");
   command->add_option("--width", options->width, "width of each frame on the sheet, pixels [320]")
       ->check(CLI::Range(16, 16384))
       ->option_text("PIXELS");
-  VariationOptions& vary = options->vary;
-  command->add_option("--recipe", vary.recipes, "of a scene: this recipe (may be repeated)")->allow_extra_args(false)->option_text("NAME");
-  command->add_flag("--all-recipes", vary.all_recipes, "of a scene: all its recipes");
-  command
-      ->add_option("--random", vary.random,
-                   "of a scene with a metamorphosis: so many recipes drawn at random, kept in SHEET_tiles/recipes.json")
-      ->check(CLI::Range(1, 100000))
-      ->option_text("N");
-  command->add_option("--seed", vary.seed, "which random ones [1]")->option_text("N");
-  command->add_option("--across", vary.across, "of a scene: a column for each value; the path `frame` is the frame")
-      ->option_text("PATH=V|V|…");
-  command->add_option("--down", vary.down, "of a scene: a row for each value")->option_text("PATH=V|V|…");
-  command->add_option("--recipes", options->render.recipes, "of a scene: a file with further recipes (may be repeated)")
-      ->allow_extra_args(false)
-      ->option_text("FILE");
-  command->add_option("--spp", options->render.spp, "of a scene: samples per pixel")->check(CLI::Range(1, 1 << 20))->option_text("N");
-  command->add_option("--set", options->render.set, "of a scene: change a value (may be repeated)")
-      ->allow_extra_args(false)
-      ->option_text("PATH=VALUE");
-  command->add_option("--allow-path", options->render.allow_paths, "of a scene: a folder outside its own that its files may lie in")
-      ->allow_extra_args(false);
-  add_picture_options(*command, options->picture);
+  add_variation_options(*command, options->vary, options->render);
+  add_view_options(*command, options->picture);
+  add_channel_option(*command, options->picture);
   add_progress_option(*command, options->progress);
   command->callback([options] { make_sheet(*options); });
 }

@@ -120,7 +120,7 @@ Picture render_swatch(const std::string& scene_path, const Swatch& swatch, ReadO
   const Vec2i size = scene.film.resolution;
   const RenderedFrame frame = render_frame(scene, 1, {0, 0, size.x, size.y}, {environments, diagnostics, [](double) {}});
   print_warnings(diagnostics);
-  return maker.make(DecodedFrame{frame.image, {}, {}, {}, {}});
+  return maker.make(frame.image);
 }
 
 void make_swatches(const SwatchOptions& o) {
@@ -175,7 +175,7 @@ void add_swatches(CLI::App& app) {
   command.add_option("--spp", options->spp, "samples a pixel")->check(CLI::Range(1, 65536))->capture_default_str();
   command.add_option("-j,--threads", options->threads, "threads to use [all cores]")->check(CLI::Range(0, 4096));
   command.add_option("--allow-path", options->allow_paths, "a folder outside the library's that it may read files from");
-  add_picture_options(command, options->picture);
+  add_view_options(command, options->picture);
   add_progress_option(command, options->progress);
   command.callback([options] { make_swatches(*options); });
 }

@@ -38,7 +38,8 @@ Colours are shown as they are over black; parts of the frame outside its data wi
   command->add_option("-o,--output", options->output, "the picture to write")->required()->check(ends_in(".png"))->option_text("OUT.png");
   command->add_option("--width", options->width, "resize to so many pixels [as it is]")->check(CLI::Range(1, 65536))->option_text("PIXELS");
   command->add_option("--bits", options->bits, "bits a channel: 8 or 16 [8]")->check(CLI::IsMember({8, 16}))->option_text("N");
-  add_picture_options(*command, options->picture);
+  add_view_options(*command, options->picture);
+  add_channel_option(*command, options->picture);
   command->callback([options] { view(*options); });
 }
 

@@ -28,9 +28,10 @@ void apply_recipe(Document& document, const std::string& name, ProblemList& prob
                               : JsonValue::Object::const_iterator{};
   if (!recipes || recipe == recipes->end()) {
     const std::vector<std::string_view> known(names.begin(), names.end());
-    return problems.add(document.where(document.root.at), names.empty()
-                                                              ? fmt::format("there is no recipe \"{}\": the scene has none", name)
-                                                              : fmt::format("there is no recipe \"{}\"{}", name, suggestion(name, known)));
+    const TextPosition at{0, 0, static_cast<std::uint32_t>(document.sources.size())};
+    document.sources.push_back({"--recipe " + name, {}, true});
+    return problems.add(document.where(at), names.empty() ? std::string("the scene has no recipes")
+                                                          : fmt::format("there is none of that name{}", suggestion(name, known)));
   }
   const auto* members = std::get_if<JsonValue::Object>(&recipe->value.data);
   if (!members)

@@ -36,8 +36,6 @@ TEST(LeastAssignment, IsTheBestOfAll) {
   }
 }
 
-TEST(LeastAssignment, LeavesRowsThatFindNoColumn) { EXPECT_EQ(least_assignment({{1}, {0.5}}).size(), 2u); }
-
 /// Boxes as one OFF mesh, its faces outward.
 std::string boxes_off(const std::vector<Box3d>& boxes) {
   std::string vertices, faces;
@@ -104,6 +102,11 @@ TEST_F(Features, NeedSeveralMeshes) {
   const Outcome o = kelpie("features low.off -o breed.json");
   EXPECT_EQ(o.status, 2);
   EXPECT_EQ(o.err, "error: features are proposed for two meshes or more\n");
+  write("flat.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  const Outcome flat = kelpie("features low.off flat.off -o breed.json --no-cache --progress none");
+  EXPECT_EQ(flat.status, 65);
+  EXPECT_NE(flat.err.find("error: flat.off: nothing is inside it"), std::string::npos) << flat.err;
+  EXPECT_FALSE(std::filesystem::exists(path("breed.json")));
 }
 
 } // namespace

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/file_bytes.h"
 #include "renderer/program/evaluate.h"
 #include "scene/reader.h"
 #include "tests/support/program.h"
@@ -61,6 +62,26 @@ TEST_F(LiquidEnds, MayBeTheFits) {
   ASSERT_EQ(shell("$KELPIE liquid cube.off cube.off --ends fit --blobs 20 -f 1-96 --progress none --save-scene flow.json 2>/dev/null"), 0);
   EXPECT_FALSE(std::filesystem::exists(path("flow_from_mesh.off")));
   EXPECT_GT(wrong_places(field_at(1), 0, 0.02), 20);
+}
+
+// The ends are joined as the fits were.
+TEST_F(LiquidEnds, AreWeldedAlike) {
+  ASSERT_EQ(shell("$KELPIE liquid cube.off cube.off --weld 0.001 --blobs 20 --progress none --save-scene flow.json 2>/dev/null"), 0);
+  const std::string scene = read_file_bytes(path("flow.json"));
+  const std::string_view weld = "\"weld\": 0.001";
+  const size_t first = scene.find(weld);
+  ASSERT_NE(first, std::string::npos) << scene;
+  EXPECT_NE(scene.find(weld, first + 1), std::string::npos);
+}
+
+TEST_F(LiquidEnds, OfWhichASpeckMakesADotAreTold) {
+  write("speck.off", "OFF\n12 10 0\n-1 -1 -1\n1 -1 -1\n1 1 -1\n-1 1 -1\n-1 -1 1\n1 -1 1\n1 1 1\n-1 1 1\n"
+                     "50 0 0\n50.01 0 0\n50 0.01 0\n50 0 0.01\n"
+                     "4 3 2 1 0\n4 4 5 6 7\n4 0 1 5 4\n4 2 3 7 6\n4 1 2 6 5\n4 0 4 7 3\n3 8 10 9\n3 8 9 11\n3 8 11 10\n3 9 10 11\n");
+  const Outcome dot = kelpie("liquid cube.off speck.off --blobs 20 --progress none --save-scene flow.json");
+  EXPECT_EQ(dot.status, 0) << dot.err;
+  EXPECT_NE(dot.err.find("warning: nearly all of the second mesh"), std::string::npos) << dot.err;
+  EXPECT_EQ(dot.err.find("first mesh"), std::string::npos) << dot.err;
 }
 
 TEST_F(LiquidEnds, AreTurnedToLieInOneAnother) {

@@ -90,7 +90,7 @@ TEST(FeatureWeights, AreContinuousAcrossBorders) {
     distances[0] += 1e-7; // in
     feature_weights::normalised(distances, 2, after);
     crossed += distances[0] > 0;
-    for (size_t i = 0; i < before.size(); ++i) EXPECT_NEAR(before[i], after[i], 1e-4);
+    for (size_t i = 0; i < before.size(); ++i) EXPECT_NEAR(before[i], after[i], 1e-9);
   }
   EXPECT_GT(crossed, 1000);
 }

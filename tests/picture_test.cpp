@@ -37,6 +37,14 @@ TEST(Pictures, ColoursAreOverBlack) {
   EXPECT_EQ(at(p, 2, 0), Vec3(0.25f, 0.5f, 0.75f)) << "a background that is shown has no coverage";
 }
 
+// A file without primaries is in linear Rec.709; what was just rendered is in the scene's own.
+TEST(Pictures, WhatWasRenderedStaysAsItIs) {
+  DecodedFrame frame = small_frame();
+  EXPECT_EQ(at(picture_of(frame.image), 2, 0), Vec3(0.25f, 0.5f, 0.75f));
+  frame.claimed_hash.clear();
+  EXPECT_GT(glm::length(at(picture_of(frame), 2, 0) - Vec3(0.25f, 0.5f, 0.75f)), 0.01f);
+}
+
 TEST(Pictures, DataIsDrawnAsADiagram) {
   const Picture z = picture_of(small_frame(), "Z"), n = picture_of(small_frame(), "N"), a = picture_of(small_frame(), "A");
   EXPECT_FALSE(z.is_light);

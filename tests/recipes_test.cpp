@@ -59,13 +59,13 @@ TEST_F(Recipes, ThatAreWrongAreProblems) {
     EXPECT_EQ(o.status, 65);
     return o.err;
   };
-  EXPECT_EQ(error(k_recipes, "thik"), "error: scene.json:1:1: there is no recipe \"thik\" (did you mean \"thick\"?)\n");
-  EXPECT_EQ(error("", "thick"), "error: scene.json:1:1: there is no recipe \"thick\": the scene has none\n");
+  EXPECT_EQ(error(k_recipes, "thik"), "error: --recipe thik: there is none of that name (did you mean \"thick\"?)\n");
+  EXPECT_EQ(error("", "thick"), "error: --recipe thick: the scene has no recipes\n");
   EXPECT_EQ(error(R"(, "recipes": { "a": 1 })", "a"),
             "error: scene.json:2:119: a recipe is an object of paths and values, as --set has them; this is a number\n");
   EXPECT_EQ(error(R"(, "recipes": { "a": { "shapes.bal.threshold": 1 } })", "a"),
             "error: scene.json:2:121: shapes has no element \"bal\" (did you mean \"ball\"?)\n");
-  EXPECT_EQ(error(R"(, "recipes": [])", "a"), "error: scene.json:1:1: there is no recipe \"a\": the scene has none\n"
+  EXPECT_EQ(error(R"(, "recipes": [])", "a"), "error: --recipe a: the scene has no recipes\n"
                                               "error: scene.json:2:112: recipes: expected an object, found a list\n");
 }
 
@@ -98,6 +98,12 @@ TEST_F(Recipes, AreDrawnAtRandomForMetamorphoses) {
   EXPECT_EQ(text_of(path("again_tiles/recipes.json")), drawn);
   EXPECT_EQ(kelpie("check scene.json --recipes random_tiles/recipes.json --recipe random_003").status, 0);
   EXPECT_EQ(kelpie("sheet scene.json -o no.png").status, 2);
+  EXPECT_EQ(kelpie("sheet scene.json --random 3 --all-recipes -o no.png").status, 2);
+  EXPECT_EQ(kelpie("sheet scene.json --random 3 -f 1-3 -o no.png").status, 2);
+  EXPECT_EQ(kelpie("sheet random_tiles/random_001.exr --random 3 -o no.png").status, 2);
+  EXPECT_EQ(kelpie("sheet random_tiles/random_001.exr --set film.spp=2 -o no.png").status, 2);
+  EXPECT_EQ(kelpie("sheet scene.json --recipe none -o no.png").status, 65);
+  EXPECT_FALSE(std::filesystem::exists(path("no.png")) || std::filesystem::exists(path("no_tiles")));
 }
 
 } // namespace

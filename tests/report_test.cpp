@@ -32,7 +32,7 @@ TEST_F(Report, WritesAPageAndNumbers) {
   EXPECT_EQ(o.err, "");
   EXPECT_NE(o.out.find("vanishes: it merges with a larger one, at (1.3"), std::string::npos) << o.out;
   const std::string page = read_file_bytes(path("a.html"));
-  for (const char* part : {"<!DOCTYPE html>", "drops of scene.json", "<polyline", "data:image/png;base64,", "it merges"})
+  for (const char* part : {"<!DOCTYPE html>", "drops of scene.json", "<polyline", "data:image/png;base64,iVBORw0KGgo", "it merges"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   EXPECT_EQ(page.find("http"), std::string::npos) << "nothing is fetched from elsewhere";
   const auto numbers = nlohmann::json::parse(read_file_bytes(path("a.json")));
@@ -49,6 +49,15 @@ TEST_F(Report, DoesNotDependOnThreads) {
   for (const std::string threads : {"1", "3"})
     ASSERT_EQ(kelpie("report scene.json --subject drops -f 4-6 --resolution 24 --json t" + threads + ".json -j " + threads).status, 0);
   EXPECT_EQ(read_file_bytes(path("t1.json")), read_file_bytes(path("t3.json")));
+}
+
+// Bumps are measured of the surface, however the camera blurs it.
+TEST_F(Report, SeesTheSurfaceSharp) {
+  const auto bumps = [&](const char* name, const std::string& more) {
+    EXPECT_EQ(kelpie(std::string("report scene.json --subject drops -f 4 --resolution 24 --json ") + name + more).status, 0);
+    return nlohmann::json::parse(read_file_bytes(path(name)))["frames"][0]["bumps"];
+  };
+  EXPECT_EQ(bumps("sharp.json", ""), bumps("blurred.json", " --set camera.aperture=0.5 --set camera.focus=2 --set camera.shutter=1"));
 }
 
 TEST_F(Report, SaysWhatIsWrong) {

@@ -62,10 +62,14 @@ TEST(Shot, ACameraThatStandsHoldsAllMoments) {
 TEST(Shot, WhatIsTooWideForItsHeightFitsByItsWidth) {
   for (const CameraMove move : k_moves)
     for (const double aspect : {16.0 / 9, 9.0 / 16}) {
-      const std::vector<SubjectMoment> moments(9, {1, box_at(Vec3(0), Vec3(4, 0.5, 1))});
-      const PictureBox seen = covered(moments[0].points, follow(moments, move, aspect).at(1), aspect);
-      EXPECT_NEAR(seen.size().x / 2, 0.8, 0.1);
-      expect_inside(seen);
+      std::vector<SubjectMoment> moments;
+      for (int frame = 1; frame <= 9; ++frame) moments.push_back({double(frame), box_at(Vec3(0), Vec3(4, 0.5, 1))});
+      const CameraPath path = follow(moments, move, aspect);
+      for (const SubjectMoment& m : moments) {
+        const PictureBox seen = covered(m.points, path.at(m.frame), aspect);
+        EXPECT_NEAR(seen.size().x / 2, 0.8, 0.1) << m.frame;
+        expect_inside(seen);
+      }
     }
 }
 

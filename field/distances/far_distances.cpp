@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include <nanoflann.hpp>
+#include "base/point_index.h"
 
 namespace kelpie {
 
@@ -29,39 +28,14 @@ std::vector<Vec3d> surface_places(const DistanceGrid& grid) {
   return places;
 }
 
-class NearestPlace {
-public:
-  explicit NearestPlace(std::vector<Vec3d> places) : places_(std::move(places)), tree_(3, places_) { tree_.buildIndex(); }
-
-  double distance(const Vec3d& p) const {
-    if (places_.list.empty()) return std::numeric_limits<double>::infinity();
-    size_t index = 0;
-    double squared = 0;
-    tree_.knnSearch(&p.x, 1, &index, &squared);
-    return std::sqrt(squared);
-  }
-
-private:
-  struct Places {
-    std::vector<Vec3d> list;
-    Places(std::vector<Vec3d> l) : list(std::move(l)) {} // NOLINT: a list of places is places
-    size_t kdtree_get_point_count() const { return list.size(); }
-    double kdtree_get_pt(size_t i, size_t axis) const { return list[i][int(axis)]; }
-    template <class Box>
-    bool kdtree_get_bbox(Box&) const {
-      return false;
-    }
-  };
-  Places places_;
-  nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Places>, Places, 3, size_t> tree_;
-};
-
 DistanceGrid coarse_grid(const DistanceGrid& near) {
-  const auto surface = std::make_shared<const NearestPlace>(surface_places(near));
+  const std::vector<Vec3d> surface = surface_places(near);
+  const PointIndex<Vec3d> index(surface);
   const Vec3d extent = near.box().extent();
   const double band = k_coarse_reach * std::max({extent.x, extent.y, extent.z});
-  return {near.box().padded(band), k_coarseness * near.voxel(), band, [&near, surface](const Vec3d& p, double) {
-            return std::copysign(surface->distance(p), near.at(Point3<double>{p.x, p.y, p.z}).value);
+  return {near.box().padded(band), k_coarseness * near.voxel(), band, [&](const Vec3d& p, double most) {
+            const double distance = surface.empty() ? most : glm::distance(p, surface[index.nearest(p)]);
+            return std::copysign(distance, near.at(Point3<double>{p.x, p.y, p.z}).value);
           }};
 }
 

@@ -91,7 +91,7 @@ std::vector<int> least_assignment(const std::vector<std::vector<double>>& cost) 
   // Rows and columns from 1; 0 is none. Prices keep all reduced costs at 0 or more.
   std::vector<double> row_price(rows + 1, 0), column_price(columns + 1, 0);
   std::vector<size_t> row_of(columns + 1, 0), before(columns + 1, 0);
-  for (size_t row = 1; row <= std::min(rows, columns); ++row) {
+  for (size_t row = 1; row <= rows; ++row) {
     std::vector<double> least(columns + 1, k_infinity);
     std::vector<char> used(columns + 1, false);
     size_t column = 0;
@@ -116,7 +116,7 @@ std::vector<int> least_assignment(const std::vector<std::vector<double>>& cost) 
     } while (row_of[column] != 0);
     for (; column != 0; column = before[column]) row_of[column] = row_of[before[column]];
   }
-  std::vector<int> out(rows, -1);
+  std::vector<int> out(rows);
   for (size_t j = 1; j <= columns; ++j)
     if (row_of[j] != 0) out[row_of[j] - 1] = int(j) - 1;
   return out;

@@ -24,8 +24,8 @@ struct ProposedFeature {
 /// What differs too much is a feature of its own.
 std::vector<ProposedFeature> match_parts(const std::vector<Parts>&);
 
-/// For each row of a table the column that it gets, no column twice, so that the sum is least; -1 where there are too few columns. The
-/// Hungarian method (Kuhn 1955), by shortest augmenting paths: O(rows² columns).
+/// For each row of a table the column that it gets, no column twice, so that the sum is least. There are at least as many columns as rows.
+/// The Hungarian method (Kuhn 1955), by shortest augmenting paths: O(rows² columns).
 std::vector<int> least_assignment(const std::vector<std::vector<double>>& cost);
 
 } // namespace kelpie

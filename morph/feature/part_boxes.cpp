@@ -183,6 +183,15 @@ void join(std::vector<Voxels>& parts) {
   }
 }
 
+bool has_inside(const DistanceGrid& grid) {
+  const std::array<int, 3> count = grid.sample_count();
+  for (int z = 0; z < count[2]; ++z)
+    for (int y = 0; y < count[1]; ++y)
+      for (int x = 0; x < count[0]; ++x)
+        if (grid.sample({x, y, z}) < 0) return true;
+  return false;
+}
+
 } // namespace
 
 std::vector<PartBox> part_boxes(const DistanceGrid& grid) {
@@ -195,7 +204,7 @@ std::vector<PartBox> part_boxes(const DistanceGrid& grid) {
         const Vec3d p = grid.box().lower + voxel * (Vec3d(x, y, z) + 0.5);
         if (grid.at(Point3<double>{p.x, p.y, p.z}).value < 0.5 * voxel) inside.push_back({x, y, z});
       }
-  if (inside.empty()) return {};
+  if (!has_inside(grid)) return {};
   std::vector<Voxels> parts = divide(inside);
   join(parts);
   std::sort(parts.begin(), parts.end(), [](const Voxels& a, const Voxels& b) { return a.size() > b.size(); });

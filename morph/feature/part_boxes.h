@@ -14,7 +14,7 @@ struct PartBox {
 
 /// Divides the inside of a solid, as voxels of a 72nd of its longest side, by planes across its axes: each time where the boxes
 /// around what is left, piece by piece, have the least volume, as long as that makes it much less. So legs, a seat and a back part. Pieces
-/// whose common box is hardly larger than theirs are joined again. Larger ones first.
+/// whose common box is hardly larger than theirs are joined again. Larger ones first; none of what has no inside on the grid.
 std::vector<PartBox> part_boxes(const DistanceGrid&);
 
 } // namespace kelpie

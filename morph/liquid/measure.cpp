@@ -1,9 +1,8 @@
 #include "morph/liquid/measure.h"
+#include "base/point_index.h"
 
 #include <algorithm>
 #include <cmath>
-
-#include "morph/liquid/point_index.h"
 
 namespace kelpie {
 
@@ -45,7 +44,7 @@ double distance_to_surface(const std::vector<BlobParameters>& blobs, const Surfa
 
 FitErrors measure_fit(const std::vector<BlobParameters>& blobs, const Mesh& unit, const TriangleTree& tree, uint64_t seed) {
   const std::vector<SurfaceSample> samples = random_samples(unit, k_points, seed);
-  const PointIndex index(samples);
+  const PointIndex<SurfaceSample> index(samples);
   FitErrors e;
   double squares = 0;
   size_t lost = 0, outside = 0, spurs = 0;

@@ -1,12 +1,11 @@
 #include "morph/liquid/sphere_tree.h"
+#include "base/point_index.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <queue>
 #include <tuple>
-
-#include "morph/liquid/point_index.h"
 
 namespace kelpie {
 
@@ -21,7 +20,7 @@ constexpr double k_growth = 2.2;
 /// Finds the medial spheres, adding forming points where a sphere sticks out most.
 class MedialSpheres {
 public:
-  MedialSpheres(std::span<const SurfaceSample> dense, const TriangleTree& mesh, const PointIndex& index, size_t wanted)
+  MedialSpheres(std::span<const SurfaceSample> dense, const TriangleTree& mesh, const PointIndex<SurfaceSample>& index, size_t wanted)
       : dense_(dense), mesh_(mesh), index_(index) {
     wanted = std::min(wanted, dense.size());
     is_forming_.assign(dense.size(), 0);
@@ -73,7 +72,7 @@ private:
 
   std::span<const SurfaceSample> dense_;
   const TriangleTree& mesh_;
-  const PointIndex& index_;
+  const PointIndex<SurfaceSample>& index_;
   std::vector<char> is_forming_;
   size_t forming_ = 0;
   std::vector<MedialSphere> spheres_;
@@ -97,7 +96,8 @@ constexpr double k_close_expansion = 0.001;
 /// samples by spheres of radius r + d sqrt(r / usual) needs no more than `wanted`.
 class Expander {
 public:
-  Expander(std::span<const SurfaceSample> dense, const PointIndex& index, const std::vector<MedialSphere>& spheres, double most)
+  Expander(std::span<const SurfaceSample> dense, const PointIndex<SurfaceSample>& index, const std::vector<MedialSphere>& spheres,
+           double most)
       : sample_count_(dense.size()), spheres_(spheres), reaches_(spheres.size()), most_(most) {
     for (size_t s = 0; s < spheres.size(); ++s) {
       // A thin sheet needs its spheres closer together than a fat body: expansion is relative, by the root.
@@ -188,7 +188,7 @@ unsigned find_parent(const MedialSphere& child, const std::vector<SphereTree::No
 SphereTree build_sphere_tree(std::span<const SurfaceSample> dense, const TriangleTree& mesh, size_t spheres, bool may_use_fewer) {
   SphereTree tree;
   tree.levels.push_back({{enclosing_sphere(dense), 0}});
-  const PointIndex index(dense);
+  const PointIndex<SurfaceSample> index(dense);
   const std::vector<MedialSphere> candidates = MedialSpheres(dense, mesh, index, k_candidates_per_sphere * spheres).result();
   if (candidates.empty()) {
     tree.levels.push_back({});

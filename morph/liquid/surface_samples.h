@@ -12,6 +12,7 @@ struct SurfaceSample {
   Vec3d position{0};
   Vec3d normal{0};
 };
+inline const Vec3d& place_of(const SurfaceSample& sample) { return sample.position; }
 
 /// About `count` points no two of which are much closer than the others (Poisson-disc: neighbours keep a
 /// distance of 0.7 of the densest packing's). Deterministic; another `seed` gives other points. Triangles

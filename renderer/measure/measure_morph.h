@@ -41,9 +41,6 @@ public:
   /// The next frame, in their order.
   FieldMeasures measure_next();
 
-  const Lattice& lattice() const { return lattice_; }
-  size_t track_count() const { return track_count_; }
-
 private:
   FieldProgram program_at(double frame) const;
   FieldMoment moment_at(double frame) const;

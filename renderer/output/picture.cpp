@@ -10,6 +10,7 @@
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
+#include <OpenImageIO/strutil.h>
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -106,8 +107,15 @@ Picture cost_picture(const FrameImage& image, const FrameChannel& cost) {
   });
 }
 
-Picture light_picture(const DecodedFrame& frame, const Channels& channels) {
-  Picture picture = fill(frame.image, true, [&](size_t c, size_t i) { return channels[c]->pixels[i]; });
+Picture light_picture(const FrameImage& image, const Channels& channels) {
+  return fill(image, true, [&](size_t c, size_t i) { return channels[c]->pixels[i]; });
+}
+
+} // namespace
+
+Picture picture_of(const DecodedFrame& frame, const std::string& name) {
+  Picture picture = picture_of(frame.image, name);
+  if (!picture.is_light) return picture;
   if (frame.chromaticities && frame.chromaticities != scene_linear_chromaticities())
     to_scene_linear(picture.rgb.data(), picture.pixel_count(), 3, *frame.chromaticities);
   else if (!frame.chromaticities && frame.claimed_hash.empty())
@@ -115,16 +123,13 @@ Picture light_picture(const DecodedFrame& frame, const Channels& channels) {
   return picture;
 }
 
-} // namespace
-
-Picture picture_of(const DecodedFrame& frame, const std::string& name) {
-  const FrameImage& image = frame.image;
+Picture picture_of(const FrameImage& image, const std::string& name) {
   Channels group;
-  if (find_group(image, name, "RGB", group)) return light_picture(frame, group);
+  if (find_group(image, name, "RGB", group)) return light_picture(image, group);
   if (name == "Z" && image.find(name)) return depth_picture(image, *image.find(name));
   if (find_group(image, name, "XYZ", group)) return name == "N" ? normal_picture(image, group) : position_picture(image, group);
   if (const FrameChannel* channel = image.find(name.empty() ? "Y" : name)) {
-    if (name.empty()) return light_picture(frame, {channel, channel, channel}); // EXR's luminance pictures
+    if (name.empty()) return light_picture(image, {channel, channel, channel}); // EXR's luminance pictures
     if (name == "cost") return cost_picture(image, *channel);
     return grey_picture(image, *channel);
   }
@@ -210,6 +215,10 @@ std::vector<unsigned char> encode_png(const Picture& picture, int bits, bool is_
   }
   check(output->close());
   return bytes;
+}
+
+std::string base64(const std::vector<unsigned char>& bytes) {
+  return OIIO::Strutil::base64_encode({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 } // namespace kelpie

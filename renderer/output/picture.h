@@ -36,6 +36,9 @@ struct Picture {
 /// (EXR's rule) and the file is not kelpie's own. Throws Error usage, listing the channels there are.
 Picture picture_of(const DecodedFrame&, const std::string& name = {});
 
+/// The same of a frame that was just rendered: its light is scene-linear and stays as it is.
+Picture picture_of(const FrameImage&, const std::string& name = {});
+
 /// Resampled to `width`, its proportions kept, by a filter without negative lobes (a highlight of 50 times
 /// white would ring). Light is averaged as light: resize before developing.
 Picture resize(const Picture&, int width);
@@ -54,5 +57,8 @@ std::vector<uint8_t> dithered_to_8_bit(const Picture&);
 
 /// A display-referred picture as a PNG file of 8 or 16 bits a channel; `is_srgb`: tagged as such. 8 bits are dithered.
 std::vector<unsigned char> encode_png(const Picture&, int bits, bool is_srgb);
+
+/// A file's bytes as a page may hold them.
+std::string base64(const std::vector<unsigned char>& bytes);
 
 } // namespace kelpie

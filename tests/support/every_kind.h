@@ -77,9 +77,10 @@ public:
         operators_.push_back([](Random& r, SampledField& field, const Nodes& children) {
           K k = random_kind<Kind>(r);
           if constexpr (requires { k.children; }) k.children = children;
-          if constexpr (requires { k.objects; }) make_small(k);
-          if constexpr (requires { k.objects; })
+          if constexpr (requires { k.objects; }) {
+            make_small(k);
             for (size_t j = 0; j < k.objects.size(); ++j) k.objects[j].field = children[j % children.size()];
+          }
           if constexpr (requires { k.region; }) k.region = add(field, random_leaf<Disc>(r));
           if constexpr (requires { k.n; }) k.n = float(r.log_uniform(0.4, 30));
           return add(field, k);

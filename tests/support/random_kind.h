@@ -125,8 +125,9 @@ inline void randomise(std::vector<MorphObject<SampledMode>>& objects, const Para
   }
   for (auto& object : objects) object.weight = float(r.uniform(0.1, 2));
 }
-/// At times less of one object, or none.
+/// Features go with the objects: add_random_features().
 inline void randomise(std::vector<MorphFeature<SampledMode>>&, const ParameterRules&, Random&) {}
+/// At times with less of one object, or none of it.
 inline void add_random_features(Metamorphosis<SampledMode>& kind, Random& r) {
   for (const std::string name : {"b", "background"}) {
     const bool is_there = std::any_of(kind.objects.begin(), kind.objects.end(), [&](const auto& o) { return o.element(name); });

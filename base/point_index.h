@@ -6,16 +6,19 @@
 
 #include <nanoflann.hpp>
 
-#include "morph/liquid/surface_samples.h"
+#include "base/vec.h"
 
 namespace kelpie {
 
-/// A k-d tree over samples that outlive it.
+inline const Vec3d& place_of(const Vec3d& p) { return p; }
+
+/// A k-d tree over points that outlive it: places, or whatever has one by `const Vec3d& place_of(point)`.
+template <class Point>
 class PointIndex {
 public:
-  explicit PointIndex(std::span<const SurfaceSample> samples) : cloud_{samples}, tree_(3, cloud_) { tree_.buildIndex(); }
+  explicit PointIndex(std::span<const Point> points) : cloud_{points}, tree_(3, cloud_) { tree_.buildIndex(); }
 
-  /// The index of the sample nearest to `p`; there must be one.
+  /// The index of the point nearest to `p`; there must be one.
   size_t nearest(const Vec3d& p) const {
     size_t index = 0;
     double squared = 0;
@@ -23,7 +26,7 @@ public:
     return index;
   }
 
-  /// Calls `visit(index, distance)` for every sample within `radius` of `p`.
+  /// Calls `visit(index, distance)` for every point within `radius` of `p`.
   template <class Visit>
   void visit_within(const Vec3d& p, double radius, Visit&& visit) const {
     std::vector<std::pair<size_t, double>> found;
@@ -33,9 +36,9 @@ public:
 
 private:
   struct Cloud {
-    std::span<const SurfaceSample> samples;
-    size_t kdtree_get_point_count() const { return samples.size(); }
-    double kdtree_get_pt(size_t i, size_t axis) const { return samples[i].position[axis]; }
+    std::span<const Point> points;
+    size_t kdtree_get_point_count() const { return points.size(); }
+    double kdtree_get_pt(size_t i, size_t axis) const { return place_of(points[i])[int(axis)]; }
     template <class Box>
     bool kdtree_get_bbox(Box&) const {
       return false;
