@@ -116,26 +116,20 @@ float SurfaceBsdf::pdf(const Layers& l, const Vec3& out, const Vec3& in) const {
   return sum;
 }
 
-Vec3 SurfaceBsdf::evaluate(const Vec3& out, const Vec3& in) const {
+Vec3 SurfaceBsdf::evaluate_lobes(const Vec3& out, const Vec3& in) const {
   if (out.z <= 0) return Vec3(0);
-  if (lobes_ == k_diffuse) return in.z > 0 ? diffuse_.evaluate(out, in) : Vec3(0);
   if (lobes_ == k_specular) return specular_.evaluate(out, in);
   return evaluate(layers(out), out, in);
 }
 
-float SurfaceBsdf::pdf(const Vec3& out, const Vec3& in) const {
+float SurfaceBsdf::pdf_of_lobes(const Vec3& out, const Vec3& in) const {
   if (out.z <= 0) return 0;
-  if (lobes_ == k_diffuse) return in.z > 0 ? diffuse_.pdf(in) : 0;
   if (lobes_ == k_specular) return specular_.pdf(out, in);
   return pdf(layers(out), out, in);
 }
 
-BsdfSample SurfaceBsdf::sample(const Vec3& out, float lobe, Vec2 u) const {
+BsdfSample SurfaceBsdf::sample_lobes(const Vec3& out, float lobe, Vec2 u) const {
   if (out.z <= 0) return {};
-  if (lobes_ == k_diffuse) {
-    const Vec3 in = DiffuseLobe::sample(u);
-    return {in, diffuse_.reflectance(out, in), diffuse_.pdf(in)};
-  }
   if (lobes_ == k_specular) return specular_.sample(out, lobe, u);
   const Layers l = layers(out);
   BsdfSample s;

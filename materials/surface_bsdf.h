@@ -35,9 +35,20 @@ public:
   bool is_glossy() const { return lobes_ != k_diffuse; }
   SurfaceBsdf at_least_as_rough_as(float alpha) const;
 
-  Vec3 evaluate(const Vec3& out, const Vec3& in) const;
-  float pdf(const Vec3& out, const Vec3& in) const;
-  BsdfSample sample(const Vec3& out, float lobe, Vec2 u) const;
+  Vec3 evaluate(const Vec3& out, const Vec3& in) const {
+    if (is_glossy()) return evaluate_lobes(out, in);
+    return out.z > 0 && in.z > 0 ? diffuse_.evaluate(out, in) : Vec3(0);
+  }
+  float pdf(const Vec3& out, const Vec3& in) const {
+    if (is_glossy()) return pdf_of_lobes(out, in);
+    return out.z > 0 && in.z > 0 ? diffuse_.pdf(in) : 0;
+  }
+  BsdfSample sample(const Vec3& out, float lobe, Vec2 u) const {
+    if (is_glossy()) return sample_lobes(out, lobe, u);
+    if (out.z <= 0) return {};
+    const Vec3 in = DiffuseLobe::sample(u);
+    return {in, diffuse_.reflectance(out, in), diffuse_.pdf(in)};
+  }
 
 private:
   enum Lobe : unsigned { k_diffuse = 1, k_specular = 2, k_coat = 4 };
@@ -49,6 +60,9 @@ private:
   void make_clear(const SurfaceParameters&, const Boundary&);
   void make_layers(const SurfaceParameters&, const Boundary&);
   Layers layers(const Vec3& out) const;
+  Vec3 evaluate_lobes(const Vec3& out, const Vec3& in) const;
+  float pdf_of_lobes(const Vec3& out, const Vec3& in) const;
+  BsdfSample sample_lobes(const Vec3& out, float lobe, Vec2 u) const;
   Vec3 evaluate(const Layers&, const Vec3& out, const Vec3& in) const;
   float pdf(const Layers&, const Vec3& out, const Vec3& in) const;
 

@@ -1,6 +1,7 @@
 #include "renderer/integrate/path.h"
 
 #include <array>
+#include <optional>
 
 #include "renderer/integrate/orthonormal_basis.h"
 
@@ -27,8 +28,9 @@ constexpr int k_roulette_from = 4;
 
 /// A point of a path on a surface. Local coordinates have the normal on the side of the viewer as z.
 struct PathTracer::Vertex {
-  Vertex(Path& p, const Hit& h, const SurfaceBsdf& b)
-      : path(p), hit(h), basis(facing_normal(p.ray, h)), out(basis.local_from_world(-p.ray.direction)), bsdf(b) {}
+  Vertex(Path& p, const Hit& h, const Vec3& facing) : path(p), hit(h), basis(facing), out(basis.local_from_world(-p.ray.direction)) {}
+
+  const SurfaceBsdf& bsdf() const { return own ? *own : *shared; }
 
   /// A ray towards where light comes from, the same direction in local coordinates and in the world. It starts on the side of
   /// the surface that the shading normal says. Where a facet of a mesh lies on the other side of it, the ray meets that facet
@@ -38,8 +40,9 @@ struct PathTracer::Vertex {
   Path& path;
   const Hit& hit;
   OrthonormalBasis basis;
-  Vec3 out; ///< towards the viewer, local
-  SurfaceBsdf bsdf;
+  Vec3 out;                            ///< towards the viewer, local
+  const SurfaceBsdf* shared = nullptr; ///< of all hits on the shape, unless this one has its
+  std::optional<SurfaceBsdf> own;
   Vec3 direct{0}; ///< light that samples of lights found
 };
 
@@ -103,24 +106,26 @@ uint32_t PathTracer::shadowed(std::span<const Ray> rays, bool side_by_side, Solv
 PathTracer::Vertex PathTracer::arrive(Path& path, const Hit& hit, int bounce) const {
   const Vec3 normal = facing_normal(path.ray, hit);
   const Footprint footprint = surfaces_.is_uniform(hit) ? Footprint{} : path.cone.on_surface(path.ray.direction, normal, hit.t);
-  SurfaceParameters memory;
+  std::optional<SurfaceParameters> memory;
   const SurfaceParameters& surface = surfaces_.at(hit, footprint, memory);
-  const Boundary boundary = boundary_at(path.ray, hit, surface);
   if (has_near_light_) path.result.radiance += path.throughput * found(path, glm::distance(path.start, hit.position), bounce);
   path.throughput *= left_of_light(path, hit);
-  if (!boundary.from_inside) path.result.radiance += path.throughput * (surface.emission_color.rgb * surface.emission_luminance);
-  const SurfaceBsdf bsdf(surface, boundary);
-  Vertex vertex(path, hit, path.after_matte ? bsdf.at_least_as_rough_as(k_alpha_after_matte) : bsdf);
-  if (bounce == 0) path.result.is_hit = true, path.result.hit = hit, path.result.albedo = vertex.bsdf.albedo();
+  const bool from_inside = hit.is_leaving && surface.transmission_weight > 0;
+  if (!from_inside) path.result.radiance += path.throughput * (surface.emission_color.rgb * surface.emission_luminance);
+  Vertex vertex(path, hit, normal);
+  vertex.shared = path.ray.inside.is_empty() ? surfaces_.opaque_in_air(hit) : nullptr;
+  if (!vertex.shared) vertex.own.emplace(surface, boundary_at(path.ray, hit, surface));
+  if (path.after_matte && vertex.bsdf().is_glossy()) vertex.own = vertex.bsdf().at_least_as_rough_as(k_alpha_after_matte);
+  if (bounce == 0) path.result.is_hit = true, path.result.hit = hit, path.result.albedo = vertex.bsdf().albedo();
   // On a glossy surface samples of lights and scattered rays are both weighed, even on the last vertex: highlights are direct light. On a
   // matte one a scattered ray that finds light adds noise to what samples found (their density follows the radiance, so only the cosine
   // varies), unless the light is about as even as the cosine.
-  path.sought = vertex.bsdf.is_glossy() ? for_glossy_ : for_matte_;
+  path.sought = vertex.bsdf().is_glossy() ? for_glossy_ : for_matte_;
   return vertex;
 }
 
 /// What a shape that a ray is in is made of, about a hit of that ray.
-const SurfaceParameters& PathTracer::medium_at(uint32_t shape, const Hit& hit, SurfaceParameters& memory) const {
+const SurfaceParameters& PathTracer::medium_at(uint32_t shape, const Hit& hit, std::optional<SurfaceParameters>& memory) const {
   Hit there = hit;
   if (shape != hit.shape) there.shape = shape, there.slab = nullptr; // of its field nothing is known here
   return surfaces_.at(there, {}, memory);
@@ -138,7 +143,7 @@ Boundary PathTracer::boundary_at(const Ray& arrived, const Hit& hit, const Surfa
     const std::optional<uint32_t> filling = tracer_.media().filling(shapes);
     if (!filling) return 1.f;
     if (*filling == hit.shape) return surface.specular_ior;
-    SurfaceParameters memory;
+    std::optional<SurfaceParameters> memory;
     return medium_at(*filling, hit, memory).specular_ior;
   };
   return {ior_in(arrived.inside), ior_in(beyond), hit.is_leaving && surface.transmission_weight > 0};
@@ -148,7 +153,7 @@ Boundary PathTracer::boundary_at(const Ray& arrived, const Hit& hit, const Surfa
 Vec3 PathTracer::left_of_light(const Path& path, const Hit& hit) const {
   const std::optional<uint32_t> filling = tracer_.media().filling(path.ray.inside);
   if (!filling) return Vec3(1);
-  SurfaceParameters memory;
+  std::optional<SurfaceParameters> memory;
   const SurfaceParameters& medium = medium_at(*filling, hit, memory);
   if (medium.transmission_weight == 0 || medium.transmission_depth == 0) return Vec3(1);
   return glm::pow(glm::max(medium.transmission_color.rgb, Vec3(1e-6f)),
@@ -168,7 +173,7 @@ bool PathTracer::scatter(Vertex& vertex, int bounce, RayCounters& counters) cons
   const bool is_last = bounce >= bounces_;
   if (is_last && path.sought == Sought::none) return false;
   const Vec3 u = path.sampler.next_triple();
-  path.scattered = vertex.bsdf.sample(vertex.out, u.z, Vec2(u.x, u.y));
+  path.scattered = vertex.bsdf().sample(vertex.out, u.z, Vec2(u.x, u.y));
   if (path.scattered.pdf <= 0) return false;
   path.after_matte = path.after_matte || (!path.scattered.is_delta && path.scattered.pdf < k_matte_density);
   path.throughput *= path.scattered.weight, path.eta *= path.scattered.eta;
@@ -206,15 +211,15 @@ void PathTracer::add_direct_light(std::span<Vertex> vertices, int bounce, RayCou
     size_t n = 0;
     for (Vertex& vertex : vertices) {
       const Vec2 u = light.is_delta() ? Vec2(0) : vertex.path.sampler.next_pair();
-      if (vertex.bsdf.is_delta()) continue;
+      if (vertex.bsdf().is_delta()) continue;
       const Arrival arrival = light.sample(vertex.hit.position, u);
       if (!(arrival.pdf > 0)) continue;
       const Vec3 in = vertex.basis.local_from_world(arrival.direction);
-      const Vec3 scattered = vertex.bsdf.evaluate(vertex.out, in) * arrival.radiance;
+      const Vec3 scattered = vertex.bsdf().evaluate(vertex.out, in) * arrival.radiance;
       if (scattered == Vec3(0)) continue;
       const bool competes = vertex.path.seeks(light) && !arrival.is_delta;
       rays[n] = vertex.leave(in, arrival.direction), rays[n].t_far = arrival.distance, takers[n] = &vertex;
-      gains[n++] = scattered * ((competes ? mis_weight(arrival.pdf, vertex.bsdf.pdf(vertex.out, in)) : 1.f) / arrival.pdf);
+      gains[n++] = scattered * ((competes ? mis_weight(arrival.pdf, vertex.bsdf().pdf(vertex.out, in)) : 1.f) / arrival.pdf);
     }
     counters.shadow += n;
     // Rays that part at once, as those to an environment, take 1.7 times as long in packets as alone.

@@ -65,7 +65,7 @@ private:
   uint32_t meet(std::span<Path* const> paths, bool side_by_side, SolveCounters& counters, Hit* hits) const;
   uint32_t shadowed(std::span<const Ray> rays, bool side_by_side, SolveCounters& counters) const;
   Vertex arrive(Path& path, const Hit& hit, int bounce) const;
-  const SurfaceParameters& medium_at(uint32_t shape, const Hit& hit, SurfaceParameters& memory) const;
+  const SurfaceParameters& medium_at(uint32_t shape, const Hit& hit, std::optional<SurfaceParameters>& memory) const;
   Boundary boundary_at(const Ray& arrived, const Hit& hit, const SurfaceParameters& surface) const;
   Vec3 left_of_light(const Path& path, const Hit& hit) const;
   void escape(Path& path, int bounce) const;

@@ -28,10 +28,11 @@ Surfaces::Surfaces(const FrameScene& frame, const Tracer& tracer) : frame_(frame
     s.is_uniform =
         !s.texture && shape.field.materials.empty() && (!shape.surface.is_set() || kelpie::is_uniform(frame.materials, shape.surface));
     if (s.is_uniform && shape.surface.is_set()) s.surface = surface_of(frame.materials, shape.surface);
+    if (s.is_uniform && s.surface.transmission_weight == 0) s.in_air.emplace(s.surface);
   }
 }
 
-const SurfaceParameters& Surfaces::at(const Hit& hit, const Footprint& footprint, SurfaceParameters& memory) const {
+const SurfaceParameters& Surfaces::at(const Hit& hit, const Footprint& footprint, std::optional<SurfaceParameters>& memory) const {
   const Shape& shape = shapes_[hit.shape];
   if (shape.is_uniform) return shape.surface;
   SurfaceMix mix;
@@ -48,8 +49,7 @@ const SurfaceParameters& Surfaces::at(const Hit& hit, const Footprint& footprint
     else
       mix.add(shape.surface, 1 - mix.weight());
   }
-  memory = mix.sum();
-  return memory;
+  return memory.emplace(mix.sum());
 }
 
 } // namespace kelpie

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "materials/surface_bsdf.h"
 #include "renderer/cells/value_cells.h"
@@ -18,15 +19,21 @@ public:
   Surfaces(const FrameScene& frame, const Tracer& tracer);
 
   /// The surface at a hit that is seen by a footprint (world space): of what the texture of the shape says there, else its field, else
-  /// its `surface`. `memory` may be written to; the answer may be it.
-  const SurfaceParameters& at(const Hit& hit, const Footprint& footprint, SurfaceParameters& memory) const;
+  /// its `surface`. The answer may lie in `memory`.
+  const SurfaceParameters& at(const Hit& hit, const Footprint& footprint, std::optional<SurfaceParameters>& memory) const;
   /// Whether the footprint of a hit is of no use: the shape is the same all over.
   bool is_uniform(const Hit& hit) const { return shapes_[hit.shape].is_uniform; }
+  /// What the surface at a hit does with light, seen from the air outside: where the shape is opaque and the same all over; else nothing.
+  const SurfaceBsdf* opaque_in_air(const Hit& hit) const {
+    const std::optional<SurfaceBsdf>& bsdf = shapes_[hit.shape].in_air;
+    return bsdf ? &*bsdf : nullptr;
+  }
 
 private:
   struct Shape {
     bool is_uniform = true;
     SurfaceParameters surface = Matte<SampledMode>{}.surface(); ///< where it is uniform
+    std::optional<SurfaceBsdf> in_air;                          ///< where it is uniform and opaque
     std::shared_ptr<const ValueCells> texture;
   };
 
