@@ -16,10 +16,10 @@ namespace kelpie {
 
 namespace {
 
-/// One value of what is varied, as an option of a rendering.
+/// One value of what is varied: of a parameter, of `frame` or of `recipe`.
 struct Change {
   std::string label;
-  std::string set, frames; ///< one of them
+  std::string path, value;
 };
 
 /// `PATH=VALUE|VALUE|…`.
@@ -33,8 +33,7 @@ std::vector<Change> parse_axis(const std::string& option, const std::string& tex
   for (size_t from = equals + 1; from <= text.size();) {
     const size_t end = std::min(text.find('|', from), text.size());
     const std::string value = text.substr(from, end - from);
-    const bool is_frame = path == "frame";
-    changes.push_back({fmt::format("{} {}", last_step, value), is_frame ? "" : path + "=" + value, is_frame ? value : ""});
+    changes.push_back({path == "recipe" ? value : fmt::format("{} {}", last_step, value), path, value});
     from = end + 1;
   }
   return changes;
@@ -50,8 +49,12 @@ struct Plan {
 };
 
 void apply(const Change& change, RenderOptions& options) {
-  if (!change.set.empty()) options.read.set.push_back(change.set);
-  if (!change.frames.empty()) options.frames = change.frames;
+  if (change.path == "frame")
+    options.frames = change.value;
+  else if (change.path == "recipe")
+    options.read.recipe = change.value;
+  else if (!change.path.empty())
+    options.read.set.push_back(change.path + "=" + change.value);
 }
 
 /// A table of one or two axes.
@@ -103,7 +106,7 @@ void add_variation_options(CLI::App& command, VariationOptions& o, RenderOptions
           ->option_text("N");
   command.add_option("--seed", o.seed, "which random ones [1]")->needs(random)->option_text("N");
   CLI::Option* const across =
-      command.add_option("--across", o.across, "of a scene: a column for each value; the path `frame` is the frame")
+      command.add_option("--across", o.across, "of a scene: a column for each value; the path `frame` is the frame, and `recipe` a recipe by name")
           ->option_text("PATH=V|V|…");
   CLI::Option* const down = command.add_option("--down", o.down, "of a scene: a row for each value")->option_text("PATH=V|V|…");
   all->excludes(recipe), random->excludes(recipe)->excludes(all);

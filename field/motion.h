@@ -53,7 +53,8 @@ bool is_same(const Kind& a, const Kind& b) {
   return same;
 }
 
-/// Bounds what an operator makes of its operands, for all states between a and b and all thresholds.
+/// Bounds what an operator makes of its operands, for all states between a and b and all thresholds. One whose values are not always
+/// between those of both states, and scale with the threshold, has `Interval combine_until(b, f, threshold, mine) const`.
 template <class Kind>
 Interval moving_combine(const Kind& a, const Kind& b, std::span<const Interval> f, Interval threshold, Demand mine) {
   const auto at = [&](const Kind& kind) {
@@ -65,7 +66,14 @@ Interval moving_combine(const Kind& a, const Kind& b, std::span<const Interval> 
       }
     return kind.combine(f, threshold.hi, mine);
   };
-  return is_same(a, b) ? at(a) : hull(at(a), at(b));
+  if (is_same(a, b)) return at(a);
+  if constexpr (requires { a.combine_until(b, f, 1.0, mine); }) {
+    std::vector<Interval> scaled;
+    for (const Interval& x : f) scaled.push_back(x / threshold);
+    return a.combine_until(b, scaled, 1.0, mine) * threshold;
+  } else {
+    return hull(at(a), at(b));
+  }
 }
 
 } // namespace kelpie

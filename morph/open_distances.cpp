@@ -7,8 +7,8 @@ namespace kelpie {
 namespace {
 
 /// Calls visit(leaf or operator, parent_from_here) for all below a node, instances and warps followed.
-template <class Visit>
-void visit_below(SampledField& field, size_t node, const Affine& above_from_here, const Visit& visit) {
+template <class Field, class Visit>
+void visit_below(Field& field, size_t node, const Affine& above_from_here, const Visit& visit) {
   std::visit(
       [&](auto& kind) {
         visit(kind, above_from_here);
@@ -21,16 +21,6 @@ void visit_below(SampledField& field, size_t node, const Affine& above_from_here
           });
       },
       field.nodes[node]);
-}
-
-/// Around an object as it stands, and its elements.
-Box3d box_of(SampledField& field, const MorphObject<SampledMode>& object) {
-  Box3d box;
-  for (const auto& element : object.elements) box.extend(image_of(frame_of(element), {Vec3d(-1), Vec3d(1)}));
-  visit_below(field, object.field, {}, [&]<class Kind>(const Kind& kind, const Affine& object_from_here) {
-    if constexpr (SignedDistance<Kind> && !requires { Kind::k_is_unbounded; }) box.extend(image_of(object_from_here, kind.solid_box()));
-  });
-  return box;
 }
 
 /// By how much a map scales lengths, on the average over directions.
@@ -47,10 +37,19 @@ void set_reach(SampledField& field, const MorphObject<SampledMode>& object, doub
 
 } // namespace
 
+Box3d object_box(const SampledField& field, const MorphObject<SampledMode>& object) {
+  Box3d box;
+  for (const auto& element : object.elements) box.extend(image_of(frame_of(element), {Vec3d(-1), Vec3d(1)}));
+  visit_below(field, object.field, {}, [&]<class Kind>(const Kind& kind, const Affine& object_from_here) {
+    if constexpr (SignedDistance<Kind> && !requires { Kind::k_is_unbounded; }) box.extend(image_of(object_from_here, kind.solid_box()));
+  });
+  return box;
+}
+
 void open_distances(SampledField& field, size_t node) {
   const Metamorphosis<SampledMode> kind = std::get<Metamorphosis<SampledMode>>(field.nodes[node]);
   Box3d box;
-  for (const auto& object : kind.objects) box.extend(box_of(field, object));
+  for (const auto& object : kind.objects) box.extend(object_box(field, object));
   // A power of 2, so that it seldom differs between moments.
   const double reach = std::exp2(std::ceil(std::log2(std::max(1e-6, 2 * box.diagonal()))));
   std::get<Metamorphosis<SampledMode>>(field.nodes[node]).reach = reach;

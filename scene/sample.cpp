@@ -7,6 +7,7 @@
 
 #include "base/sample_record.h"
 #include "morph/field_fold.h"
+#include "morph/fit_blends.h"
 #include "morph/open_distances.h"
 #include "scene/pixel_scale.h"
 
@@ -81,7 +82,8 @@ SampledField sample_field(const FieldNode& root, double frame, float threshold, 
     auto sampled = sample_record(kind, time.at(frame), nodes.data(), named.data());
     place_surface(sampled, threshold, node.where);
     field.nodes.emplace_back(std::move(sampled));
-    if constexpr (std::is_same_v<std::decay_t<decltype(kind)>, Metamorphosis<AnimatedMode>>) open_distances(field, field.nodes.size() - 1);
+    if constexpr (std::is_same_v<std::decay_t<decltype(kind)>, Metamorphosis<AnimatedMode>>)
+      open_distances(field, field.nodes.size() - 1), fit_blends(field, field.nodes.size() - 1);
     const MaterialIndex own = materials(node.material, time);
     if (own.is_set() || std::any_of(named.begin(), named.end(), [](MaterialIndex m) { return m.is_set(); })) {
       field.materials.resize(field.nodes.size());

@@ -232,6 +232,77 @@ TEST_F(MetamorphosisTest, ABackgroundLeadsFarFromAllElements) {
   EXPECT_NEAR(distance({14, 0, 0}), 1 - 4, 0.3); // far from it: the second where it stands
 }
 
+/// Two balls that do not touch, mixed by a function, on the way from the first to the second.
+std::string balls_apart(const std::string& function, double t) {
+  const auto ball = [](double x, double weight) {
+    return R"({ "field": { "kind": "sdf_sphere", "centre": [)" + std::to_string(x) + R"(, 0, 0], "sphere_radius": 1 }, "weight": )" +
+           std::to_string(weight) + " }";
+  };
+  return R"("function": ")" + function + R"(", "objects": [ )" + ball(-1.5, 1 - t) + ", " + ball(1.5, t) + " ]";
+}
+
+TEST_F(MetamorphosisTest, MatterFlowsBetweenWhatStandsApart) {
+  const Box3d box{Vec3d(-3.5, -2, -2), Vec3d(3.5, 2, 2)};
+  const auto volume = [&](const std::string& function, double t) {
+    metamorphosis(balls_apart(function, t));
+    Random r(11);
+    int inside = 0;
+    constexpr int k_places = 20000;
+    for (int i = 0; i < k_places; ++i) inside += distance(r.in(box)) > 0;
+    return inside * 7 * 4 * 4 / double(k_places);
+  };
+  const double ball = 4 * std::numbers::pi / 3;
+  EXPECT_EQ(volume("linear", 0.5), 0);
+  EXPECT_NEAR(volume("space_time", 0.5), ball, 0.1 * ball); // what the displacement is chosen for
+  for (double t = 0; t <= 1; t += 0.125) {
+    const double there = volume("space_time", t);
+    EXPECT_GT(there, 0.6 * ball) << t;
+    EXPECT_LT(there, 1.5 * ball) << t;
+  }
+}
+
+// At either end of a blend, and of one among three, the object itself.
+TEST_F(MetamorphosisTest, SpaceTimeBlendsEndExactly) {
+  Random r(12);
+  for (const double t : {0.0, 1.0}) {
+    metamorphosis(balls_apart("space_time", t));
+    for (int i = 0; i < 1000; ++i) {
+      const Vec3d p = r.in(Box3d{Vec3d(-3), Vec3d(3)});
+      EXPECT_NEAR(distance(p), 1 - glm::length(p - Vec3d(t > 0 ? 1.5 : -1.5, 0, 0)), 1e-5);
+    }
+  }
+  const std::string three = "\"function\": \"space_time\", \"objects\": [" + object(k_table, 1, k_table_elements) + ", " +
+                            object(k_stool, 0, k_stool_elements) + ", " + object(k_table, 0) + "]";
+  const FieldProgram alone = field_of(k_table);
+  metamorphosis(three);
+  for (int i = 0; i < 5000; ++i) {
+    const Vec3d p = r.in(Box3d{Vec3d(-1.5, -0.3, -1), Vec3d(2, 1.5, 1)});
+    const bool is_in = evaluate(alone, alone.code, Point3<double>{p.x, p.y, p.z}) > alone.threshold;
+    EXPECT_TRUE((distance(p) > 0) == is_in || std::abs(distance(p)) < 1e-6);
+  }
+}
+
+// Small steps of the weights, also to where an object comes in or has gone, change the field little.
+TEST_F(MetamorphosisTest, SpaceTimeBlendsOfThreeAreContinuous) {
+  const auto mix = [&](const Vec3d& weights) {
+    std::string objects;
+    for (int j = 0; j < 3; ++j)
+      objects += std::string(j ? ", " : "") + R"({ "field": { "kind": "sdf_sphere", "centre": [)" + std::to_string(j) +
+                 R"(, 0, 0], "sphere_radius": 1 }, "weight": )" + std::to_string(weights[size_t(j)]) + " }";
+    metamorphosis(R"("function": "space_time", "objects": [ )" + objects + " ]");
+  };
+  const Vec3d step(1e-4, 1e-4, -2e-4);
+  for (const Vec3d& weights : {Vec3d(0.3, 0.3, 0.4), Vec3d(0.5, 0.5, 0), Vec3d(0, 0, 1), Vec3d(0, 0.5, 0.5)}) {
+    const Vec3d other = glm::max(Vec3d(0), weights + (weights.z > 0 ? step : -step));
+    for (double x = -1.5; x < 4; x += 0.1) {
+      mix(weights);
+      const double before = distance({x, 0.5, 0.2});
+      mix(other);
+      EXPECT_NEAR(distance({x, 0.5, 0.2}), before, 0.02) << x;
+    }
+  }
+}
+
 // A part that is used in several sizes is a distance in each.
 TEST_F(MetamorphosisTest, InstancesOfOnePartAreDistancesInAllSizes) {
   const std::string bar = R"("parts": { "bar": { "kind": "sdf_capsule", "from": [0, 0, 0], "to": [0, 1, 0], "capsule_radius": 0.1 } }, )";

@@ -110,6 +110,7 @@ void complete_features(const SampledObjects& objects, std::vector<SampledFeature
       normalise(feature.frame_weights);
     }
     if (!(feature.offset_reach > 0)) feature.offset_reach = thickness;
+    feature.blends.assign(objects.size() * (objects.size() - 1) / 2, {});
   }
 }
 
@@ -127,14 +128,17 @@ SdfBox<SampledMode> mean_element(const SampledObjects& objects, const SampledFea
   return box;
 }
 
+Affine mean_frame(const SampledObjects& objects, const SampledFeature& feature) {
+  const Elements elements(objects, feature);
+  return frame(elements.mean(&FeatureElement<SampledMode>::centre), elements.mean(&FeatureElement<SampledMode>::size), elements.rotation());
+}
+
 Affine feature_from_object(const SampledObjects& objects, const SampledFeature& feature, const MorphObject<SampledMode>& object) {
   const FeatureElement<SampledMode>* own = object.element(feature.name);
   if (!own) return {};
   const Elements elements(objects, feature);
   if (elements.all_that_count_are(*own)) return {}; // exactly
-  const Affine child =
-      frame(elements.mean(&FeatureElement<SampledMode>::centre), elements.mean(&FeatureElement<SampledMode>::size), elements.rotation());
-  return child * inverse(frame_of(*own));
+  return mean_frame(objects, feature) * inverse(frame_of(*own));
 }
 
 // --- what may be wrong ---

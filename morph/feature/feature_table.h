@@ -6,6 +6,7 @@
 #include "base/affine.h"
 #include "base/kind.h"
 #include "field/distances/box.h"
+#include "morph/feature/space_time.h"
 
 namespace kelpie {
 
@@ -56,6 +57,7 @@ struct MorphObject {
   std::string name;
   typename Mode::Child field{};
   Value<Mode, float> weight{1.f};
+  double influence = 1;
   std::vector<FeatureElement<Mode>> elements;
 
   static constexpr auto parameters() {
@@ -65,6 +67,8 @@ struct MorphObject {
             .required()
             .such_as(R"({"kind": "sdf_sphere", "centre": [0, 0, 0], "sphere_radius": 1})"),
         parameter("weight", &MorphObject::weight, "how much of it the features have that are not listed").at_least(0),
+        parameter("influence", &MorphObject::influence, "of a space-time blend, a_1 or a_2: how far the object draws matter to itself")
+            .above(0),
         parameter("elements", &MorphObject::elements, "where its features are"),
     };
   }
@@ -86,6 +90,9 @@ struct MorphFeature {
   std::vector<Value<Mode, float>> weights, frame_weights;
   Value<Mode, float> offset{0.f};
   double offset_reach = 0;
+
+  // Sampled: what fits each two objects, (0, 1), (0, 2) … (1, 2) …
+  std::vector<space_time::Blend> blends;
 
   static constexpr auto parameters() {
     using F = MorphFeature;
@@ -115,7 +122,7 @@ using SampledObjects = std::vector<MorphObject<SampledMode>>;
 using SampledFeature = MorphFeature<SampledMode>;
 
 /// Lists all features, those that the scene lists first, the background last if it is wanted or nothing else is there; gives each a weight
-/// and a frame weight for each object, with a sum of 1, and the length over which its offset fades.
+/// and a frame weight for each object, with a sum of 1, the length over which its offset fades, and blends of no particular shapes.
 void complete_features(const SampledObjects&, std::vector<SampledFeature>&, bool has_background);
 
 /// The frame of an element: from the cube [-1, 1]^3 to the box.
@@ -123,6 +130,9 @@ Affine frame_of(const FeatureElement<SampledMode>&);
 
 /// The element of the child, by the frame weights of a complete feature: its distance, of a reach.
 SdfBox<SampledMode> mean_element(const SampledObjects&, const SampledFeature&, float reach);
+
+/// The frame of the child's element, from the cube [-1, 1]^3, by the frame weights of a complete feature that has one.
+Affine mean_frame(const SampledObjects&, const SampledFeature&);
 
 /// Where a feature of the child sees an object: E_i E_ij^-1. The identity for the background, and for an object without the element.
 Affine feature_from_object(const SampledObjects&, const SampledFeature&, const MorphObject<SampledMode>&);

@@ -85,9 +85,10 @@ std::vector<double> shares_of(const Node& node, Vec p, double threshold) {
     for (size_t i = 0; i < elements; ++i) distances.push_back(f[i] / threshold - 1);
     const std::vector<double> weights = feature_weights(mix, distances);
     for (size_t i = 0; i < mix.features.size(); ++i) {
-      const std::vector<double>& row = mix.features[i].weights;
-      const double sum = std::accumulate(row.begin(), row.end(), 0.0);
-      for (size_t j = 0; j < objects; ++j) shares[elements + i * objects + j] = weights[i] * row[j] / sum;
+      std::vector<double> to_objects;
+      for (size_t j = 0; j < objects; ++j) to_objects.push_back(mix.reach * (f[elements + i * objects + j] / threshold - 1));
+      const std::vector<double> own = object_shares(mix, i, to_objects);
+      for (size_t j = 0; j < objects; ++j) shares[elements + i * objects + j] = weights[i] * own[j];
     }
     return shares;
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace reference {
 
@@ -117,6 +118,74 @@ std::vector<double> feature_weights(const Mix& mix, std::vector<double> d) {
   return weights;
 }
 
+namespace {
+
+/// Space-time blending, as methods.md has it.
+struct SpaceTime {
+  double f1, f2, f3, a1, a2, a3;
+
+  static double meet(double x, double y) { return x + y - std::hypot(x, y); }
+  static double bump(double r) { return r < 1 ? std::pow(1 - r, 3) / (1 + r) : 0; }
+  static double ratio(double p, double q) { return p + q > 0 ? p / (p + q) : 1; }
+
+  SpaceTime(const Mix& mix, size_t i, size_t j, double g1, double g2, double t, double unit)
+      : a1(mix.influences[i]), a2(mix.influences[j]), a3(mix.time_influence) {
+    const double p = mix.passage, tau = (1 + 2 * p) * t - p;
+    const auto half = [&](double g, double tau) {
+      const double r = ratio(g * g + tau * tau, std::pow(std::max(0.0, tau + p / 2), 2));
+      return meet(g, -tau) - 0.2 * bump(r);
+    };
+    f1 = half(g1 / unit, tau), f2 = half(g2 / unit, 1 - tau), f3 = meet(tau + p, 1 + p - tau);
+  }
+  double section(double displacement) const {
+    const double r1 = std::hypot(f1 / a1, f2 / a2), r2 = f3 > 0 ? f3 / a3 : 0;
+    return f1 + f2 + std::hypot(f1, f2) + displacement * bump(ratio(r1 * r1, r2 * r2));
+  }
+};
+
+/// Calls visit(j, k, flow) for each two objects.
+template <class Visit>
+void for_each_two(const Mix& mix, const MixFeature& feature, const Visit& visit) {
+  size_t which = 0;
+  for (size_t j = 0; j < mix.objects.size(); ++j)
+    for (size_t k = j + 1; k < mix.objects.size(); ++k) visit(j, k, feature.flows[which++]);
+}
+
+/// The distance that feature i makes of those to the objects.
+double blended(const Mix& mix, const MixFeature& feature, const std::vector<double>& g) {
+  double value = 0, sum = 0;
+  for_each_two(mix, feature, [&](size_t j, size_t k, const Flow& flow) {
+    const double v = feature.weights[j], w = feature.weights[k];
+    if (v * w == 0) return;
+    const double t = w / (v + w), near = std::min(t, 1 - t) * std::max(4.0, 1 + 2 * mix.passage), x = std::min(near, 1.0);
+    const double fade = 3 * x * x - 2 * x * x * x;
+    const double section = flow.unit * SpaceTime(mix, j, k, g[j], g[k], t, flow.unit).section(flow.displacement);
+    value += v * w * (fade * section + (1 - fade) * (t < 0.5 ? g[j] : g[k])), sum += v * w;
+  });
+  if (sum > 0) return value / sum;
+  return g[size_t(std::max_element(feature.weights.begin(), feature.weights.end()) - feature.weights.begin())];
+}
+
+} // namespace
+
+std::vector<double> object_shares(const Mix& mix, size_t i, const std::vector<double>& g) {
+  const MixFeature& feature = mix.features[i];
+  std::vector<double> shares(g.size(), 0.0);
+  double sum = 0;
+  if (mix.is_space_time)
+    for_each_two(mix, feature, [&](size_t j, size_t k, const Flow& flow) {
+      const double v = feature.weights[j], w = feature.weights[k], product = v * w;
+      if (product == 0) return;
+      const SpaceTime at(mix, j, k, g[j], g[k], w / (v + w), flow.unit);
+      const double out1 = std::max(0.0, -at.f1), out2 = std::max(0.0, -at.f2); // 0 inside a half-cylinder, which is then its own
+      const double first = out1 + out2 > 0 ? out2 / (out1 + out2) : 0.5;
+      shares[j] += product * first, shares[k] += product * (1 - first), sum += product;
+    });
+  if (sum == 0) shares = feature.weights, sum = std::accumulate(shares.begin(), shares.end(), 0.0);
+  for (double& s : shares) s /= sum;
+  return shares;
+}
+
 double mixed(const Mix& mix, const std::vector<double>& f, double threshold) {
   const size_t elements = mix.features.size() - (mix.features.back().is_background ? 1 : 0);
   std::vector<double> distances;
@@ -131,6 +200,12 @@ double mixed(const Mix& mix, const std::vector<double>& f, double threshold) {
     for (size_t j = 0; j < mix.objects.size(); ++j)
       g += feature.weights[j] * f[elements + i * mix.objects.size() + j], sum += feature.weights[j];
     g /= sum;
+    if (mix.is_space_time) {
+      std::vector<double> to_objects;
+      for (size_t j = 0; j < mix.objects.size(); ++j)
+        to_objects.push_back(mix.reach * (f[elements + i * mix.objects.size() + j] / threshold - 1));
+      g = std::max(0.0, threshold * (1 + blended(mix, feature, to_objects) / mix.reach));
+    }
     const double near = std::clamp(1 + distances[i] * mix.reach / feature.fade, 0.0, 1.0), there = std::clamp(g / threshold, 0.0, 1.0);
     value += weights[i] * (g + threshold * feature.offset / mix.reach * near * there);
   }

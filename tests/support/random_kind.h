@@ -138,6 +138,8 @@ inline void add_random_features(Metamorphosis<SampledMode>& kind, Random& r) {
     feature.weights[0] += 0.1f;
   }
   kind.reach = 4;
+  kind.passage = r.uniform(1, 4), kind.time_influence = r.uniform(0.5, 2);
+  for (auto& object : kind.objects) object.influence = r.uniform(0.5, 2);
 }
 
 /// A sampled kind with random parameters and, where it has files, random contents.

@@ -278,8 +278,14 @@ inline std::shared_ptr<const reference::Mix> reference_of(const Metamorphosis<Sa
       own.push_back({e.name, reference_of(e.centre), reference_of(e.size), reference_of(e.axis), reference_of(e.across), e.rounding});
   }
   const auto widened = [](const std::vector<float>& v) { return std::vector<double>(v.begin(), v.end()); };
-  for (const auto& f : k.features)
-    mix->features.push_back({f.name, widened(f.weights), widened(f.frame_weights), f.offset, f.fade_length(), f.name == k_background});
+  for (const auto& f : k.features) {
+    std::vector<reference::Flow> flows;
+    for (const space_time::Blend& b : f.blends) flows.push_back({b.unit, b.displacement});
+    mix->features.push_back(
+        {f.name, widened(f.weights), widened(f.frame_weights), f.offset, f.fade_length(), f.name == k_background, flows});
+  }
+  mix->is_space_time = k.function == MorphFunction::space_time, mix->passage = k.passage, mix->time_influence = k.time_influence;
+  for (const auto& object : k.objects) mix->influences.push_back(object.influence);
   mix->sharpness = k.sharpness, mix->margin = k.margin, mix->reach = k.reach;
   return mix;
 }
