@@ -8,7 +8,7 @@
 #include "base/atomic_file.h"
 #include "base/file_bytes.h"
 #include "cli/failure.h"
-#include "cli/random_recipes.h"
+#include "cli/make_recipes.h"
 #include "cli/read_options.h"
 #include "renderer/output/sequence.h"
 
@@ -92,6 +92,21 @@ void plan_recipes(const std::string& scene, const VariationOptions& v, RenderOpt
   }
 }
 
+/// Each two objects of a metamorphosis: a row and a column each.
+void plan_pairs(const std::string& scene, RenderOptions options, const std::string& folder, Plan& plan) {
+  const PairRecipes pairs = pair_recipes(scene);
+  const std::string file = folder + "/recipes.json";
+  write_file_atomically(file, as_bytes(pairs.library));
+  options.read.libraries.push_back(file);
+  const size_t count = pairs.names.size();
+  plan.columns = static_cast<int>(count);
+  for (size_t i = 0; i < count; ++i)
+    for (size_t j = 0; j < count; ++j) {
+      options.read.recipe = fmt::format("pair_{}_{}", i + 1, j + 1);
+      plan.add({options.read.recipe, i == j ? pairs.names[i] : pairs.names[i] + ", " + pairs.names[j]}, options);
+    }
+}
+
 } // namespace
 
 void add_variation_options(CLI::App& command, VariationOptions& o, RenderOptions& scene) {
@@ -105,12 +120,17 @@ void add_variation_options(CLI::App& command, VariationOptions& o, RenderOptions
           ->check(CLI::Range(1, 2000))
           ->option_text("N");
   command.add_option("--seed", o.seed, "which random ones [1]")->needs(random)->option_text("N");
+  CLI::Option* const pairs =
+      command.add_flag("--pairs", o.pairs,
+                       "of a scene with a metamorphosis: a table of its objects, two parts of the row's and one of the column's in each");
   CLI::Option* const across =
-      command.add_option("--across", o.across, "of a scene: a column for each value; the path `frame` is the frame, and `recipe` a recipe by name")
+      command
+          .add_option("--across", o.across,
+                      "of a scene: a column for each value; the path `frame` is the frame, and `recipe` a recipe by name")
           ->option_text("PATH=V|V|…");
   CLI::Option* const down = command.add_option("--down", o.down, "of a scene: a row for each value")->option_text("PATH=V|V|…");
-  all->excludes(recipe), random->excludes(recipe)->excludes(all);
-  for (CLI::Option* const table : {across, down}) table->excludes(recipe)->excludes(all)->excludes(random);
+  all->excludes(recipe), random->excludes(recipe)->excludes(all), pairs->excludes(recipe)->excludes(all)->excludes(random);
+  for (CLI::Option* const table : {across, down}) table->excludes(recipe)->excludes(all)->excludes(random)->excludes(pairs);
   command.add_option("--spp", scene.spp, "of a scene: samples per pixel")->check(CLI::Range(1, 1 << 20))->option_text("N");
   add_read_options(command, scene.read);
 }
@@ -120,7 +140,7 @@ bool is_changed(const RenderOptions& o) {
 }
 
 bool has_variations(const VariationOptions& v) {
-  return !v.recipes.empty() || v.all_recipes || v.random > 0 || !v.across.empty() || !v.down.empty();
+  return !v.recipes.empty() || v.all_recipes || v.random > 0 || v.pairs || !v.across.empty() || !v.down.empty();
 }
 
 TileSheet render_tiles(const std::string& scene, const VariationOptions& v, int width, const std::string& folder, RenderOptions options) {
@@ -138,6 +158,8 @@ TileSheet render_tiles(const std::string& scene, const VariationOptions& v, int 
   Plan plan;
   if (!v.across.empty() || !v.down.empty())
     plan_axes(v, options, plan);
+  else if (v.pairs)
+    plan_pairs(scene, options, folder, plan);
   else
     plan_recipes(scene, v, options, folder, plan);
 

@@ -14,7 +14,8 @@ struct VariationOptions {
   bool all_recipes = false;
   int random = 0; ///< how many recipes to draw
   unsigned seed = 1;
-  std::string across, down; ///< `PATH=VALUE|VALUE|…`; the path `frame` is the frame
+  bool pairs = false;
+  std::string across, down; ///< `PATH=VALUE|VALUE|…`; the paths `frame` and `recipe` are those
 };
 
 /// One picture of the sheet.
@@ -37,8 +38,8 @@ bool has_variations(const VariationOptions&);
 /// Whether anything was said of the scene.
 bool is_changed(const RenderOptions& scene);
 
-/// Renders the tiles of a scene, `width` pixels wide, into `folder`, but those that are there and complete. Random recipes are written to
-/// `folder`/recipes.json first. Throws Error.
+/// Renders the tiles of a scene, `width` pixels wide, into `folder`, but those that are there and complete. Recipes that were made are
+/// written to `folder`/recipes.json first. Throws Error.
 TileSheet render_tiles(const std::string& scene, const VariationOptions&, int width, const std::string& folder, RenderOptions);
 
 } // namespace kelpie

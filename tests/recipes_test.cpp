@@ -88,6 +88,8 @@ TEST_F(Recipes, AreDrawnAtRandomForMetamorphoses) {
   const Outcome none = kelpie("sheet scene.json --random 3 -o random.png");
   EXPECT_EQ(none.status, 65);
   EXPECT_EQ(none.err, "error: scene.json: random recipes are drawn for features, and there is no metamorphosis with elements\n");
+  EXPECT_EQ(kelpie("sheet scene.json --pairs -o no.png").err,
+            "error: scene.json: pairs are those of the objects of one metamorphosis, and there is none\n");
   const std::string one = R"({ "field": { "kind": "sdf_sphere", "centre": [0, 0, 0], "sphere_radius": 1 },
     "elements": [ { "name": "left_ear", "centre": [-1, 0, 0], "size": 1 }, { "name": "right_ear", "centre": [1, 0, 0], "size": 1 } ] })";
   write("scene.json",
@@ -97,6 +99,9 @@ TEST_F(Recipes, AreDrawnAtRandomForMetamorphoses) {
   ASSERT_EQ(kelpie("sheet scene.json --random 3 --seed 5 --width 16 --spp 1 -o again.png --progress none").status, 0);
   EXPECT_EQ(text_of(path("again_tiles/recipes.json")), drawn);
   EXPECT_EQ(kelpie("check scene.json --recipes random_tiles/recipes.json --recipe random_003").status, 0);
+  ASSERT_EQ(kelpie("sheet scene.json --pairs --width 16 --spp 1 -o pairs.png --progress none").status, 0);
+  EXPECT_TRUE(std::filesystem::exists(path("pairs_tiles/pair_2_1.exr")));
+  EXPECT_NE(text_of(path("pairs_tiles/recipes.json")).find("\"shapes.0.field.objects.1.weight\": 3"), std::string::npos);
   EXPECT_EQ(kelpie("sheet scene.json -o no.png").status, 2);
   EXPECT_EQ(kelpie("sheet scene.json --random 3 --all-recipes -o no.png").status, 2);
   EXPECT_EQ(kelpie("sheet scene.json --random 3 -f 1-3 -o no.png").status, 2);

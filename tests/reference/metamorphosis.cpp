@@ -131,9 +131,9 @@ struct SpaceTime {
   SpaceTime(const Mix& mix, size_t i, size_t j, double g1, double g2, double t, double unit)
       : a1(mix.influences[i]), a2(mix.influences[j]), a3(mix.time_influence) {
     const double p = mix.passage, tau = (1 + 2 * p) * t - p;
-    const auto half = [&](double g, double tau) {
-      const double r = ratio(g * g + tau * tau, std::pow(std::max(0.0, tau + p / 2), 2));
-      return meet(g, -tau) - 0.2 * bump(r);
+    const auto half = [&](double g, double from_end) {
+      const double r = ratio(g * g + from_end * from_end, std::pow(std::max(0.0, from_end + p / 2), 2));
+      return meet(g, -from_end) - 0.2 * bump(r);
     };
     f1 = half(g1 / unit, tau), f2 = half(g2 / unit, 1 - tau), f3 = meet(tau + p, 1 + p - tau);
   }
