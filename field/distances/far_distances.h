@@ -10,7 +10,7 @@ namespace kelpie {
 /// box. Where the surface is they change nothing; far from it they are off by about a coarse voxel.
 class FarDistances {
 public:
-  /// Takes about a second, on all threads.
+  /// Uses all threads.
   explicit FarDistances(const DistanceGrid& near);
 
   /// The signed distance at p, given what the grid says there: for double, Interval and Dual.
