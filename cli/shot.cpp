@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/box.h"
 
@@ -95,13 +96,24 @@ double safety(const CameraPath& path, const std::vector<SubjectMoment>& moments,
   return std::max(1.0, most / k_most_share);
 }
 
-std::string curve(const std::vector<CameraKey>& keys, Vec3d CameraKey::*value, const std::vector<CameraKey>& slopes) {
-  const auto text = [](const Vec3d& v) { return fmt::format("[{:.4f}, {:.4f}, {:.4f}]", v.x, v.y, v.z); };
-  if (keys.size() == 1) return text(keys.front().*value);
-  std::string list;
-  for (size_t i = 0; i < keys.size(); ++i)
-    list += fmt::format("{}\n      [{:g}, {}, {}]", i > 0 ? "," : "", keys[i].frame, text(keys[i].*value), text(slopes[i].*value));
-  return fmt::format("{{ \"interpolation\": \"hermite\", \"keys\": [{}\n    ] }}", list);
+/// Smooth through all keys (Catmull and Rom): at each the slope between its neighbours.
+Animated<Vec3> smooth_curve(const std::vector<CameraKey>& keys, Vec3d CameraKey::*value) {
+  if (keys.size() == 1) return Vec3(keys.front().*value);
+  std::vector<Key<Vec3>> list;
+  for (size_t i = 0; i < keys.size(); ++i) {
+    const CameraKey &a = keys[i > 0 ? i - 1 : 0], &b = keys[std::min(i + 1, keys.size() - 1)];
+    list.push_back({keys[i].frame, Vec3(keys[i].*value), {Vec3((b.*value - a.*value) / (b.frame - a.frame))}});
+  }
+  return {std::move(list), Interpolation::hermite};
+}
+
+std::string text_of(const Animated<Vec3>& curve) {
+  const auto text = [](const Vec3& v) { return fmt::format("[{:.4f}, {:.4f}, {:.4f}]", v.x, v.y, v.z); };
+  if (curve.is_constant()) return text(curve.at(0));
+  std::vector<std::string> keys;
+  for (const Key<Vec3>& k : curve.keys())
+    keys.push_back(fmt::format("\n      [{:g}, {}, {}]", k.frame, text(k.value), text(k.derivatives[0])));
+  return fmt::format("{{ \"interpolation\": \"hermite\", \"keys\": [{}\n    ] }}", fmt::join(keys, ","));
 }
 
 } // namespace
@@ -120,32 +132,14 @@ PictureBox covered(const std::vector<Vec3>& points, const CameraKey& camera, dou
   return box;
 }
 
-CameraKey CameraPath::slope(size_t key) const {
-  const CameraKey& a = keys_[key > 0 ? key - 1 : 0];
-  const CameraKey& b = keys_[std::min(key + 1, keys_.size() - 1)];
-  const double frames = b.frame - a.frame;
-  return frames > 0 ? CameraKey{0, (b.position - a.position) / frames, (b.look_at - a.look_at) / frames} : CameraKey{};
-}
+CameraPath::CameraPath(std::vector<CameraKey> keys)
+    : keys_(std::move(keys)), position_(smooth_curve(keys_, &CameraKey::position)), look_at_(smooth_curve(keys_, &CameraKey::look_at)) {}
 
-CameraKey CameraPath::at(double frame) const {
-  if (frame <= keys_.front().frame) return keys_.front();
-  if (frame >= keys_.back().frame) return keys_.back();
-  size_t i = 0;
-  while (keys_[i + 1].frame < frame) ++i;
-  const CameraKey &a = keys_[i], &b = keys_[i + 1], da = slope(i), db = slope(i + 1);
-  const double step = b.frame - a.frame, t = (frame - a.frame) / step;
-  const auto hermite = [&](Vec3d CameraKey::*v) {
-    const double s = 1 - t;
-    return (s * s * (1 + 2 * t)) * (a.*v) + (t * t * (1 + 2 * s)) * (b.*v) + (s * t * step) * (s * (da.*v) - t * (db.*v));
-  };
-  return {frame, hermite(&CameraKey::position), hermite(&CameraKey::look_at)};
-}
+CameraKey CameraPath::at(double frame) const { return {frame, Vec3d(position_.at(frame)), Vec3d(look_at_.at(frame))}; }
 
 std::string CameraPath::text() const {
-  std::vector<CameraKey> slopes;
-  for (size_t i = 0; i < keys_.size(); ++i) slopes.push_back(slope(i));
-  return fmt::format("{{\n    \"position\": {},\n    \"look_at\": {},\n    \"fov\": {}, \"shutter\": 0.5\n  }}",
-                     curve(keys_, &CameraKey::position, slopes), curve(keys_, &CameraKey::look_at, slopes), k_fov_degrees);
+  return fmt::format("{{\n    \"position\": {},\n    \"look_at\": {},\n    \"fov\": {}, \"shutter\": 0.5\n  }}", text_of(position_),
+                     text_of(look_at_), k_fov_degrees);
 }
 
 CameraPath follow(const std::vector<SubjectMoment>& moments, CameraMove move, double aspect) {

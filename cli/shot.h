@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/animated.h"
 #include "base/kind.h"
 #include "base/vec.h"
 
@@ -39,7 +40,8 @@ class CameraPath {
 public:
   static constexpr double k_fov_degrees = 22; ///< vertical
 
-  explicit CameraPath(std::vector<CameraKey> keys) : keys_(std::move(keys)) {}
+  /// Not empty.
+  explicit CameraPath(std::vector<CameraKey> keys);
 
   CameraKey at(double frame) const;
   /// The camera of a scene file, as JSON. The shutter is open for half a frame.
@@ -47,9 +49,8 @@ public:
   const std::vector<CameraKey>& keys() const { return keys_; }
 
 private:
-  CameraKey slope(size_t key) const; ///< of position and look_at, per frame
-
   std::vector<CameraKey> keys_;
+  Animated<Vec3> position_, look_at_;
 };
 
 /// A part of a picture: -1 is its left and lower edge, 1 its right and upper one.
