@@ -14,8 +14,12 @@ find_package(OpenEXR REQUIRED)
 find_package(Ceres REQUIRED)
 find_package(Eigen3 REQUIRED)
 find_package(hwy REQUIRED)
+find_package(OpenMesh REQUIRED)
+find_package(TinyGLTF REQUIRED)
 # Debian's OpenColorIO config file sets a wrong prefix; its pkg-config file is right.
 pkg_check_modules(OCIO REQUIRED IMPORTED_TARGET OpenColorIO)
+# libzip's config file asks for its command-line tools.
+pkg_check_modules(LIBZIP REQUIRED IMPORTED_TARGET libzip)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 # OpenSubdiv's config file asks for a static library that Debian does not have.
 find_library(OSD_CPU osdCPU REQUIRED)

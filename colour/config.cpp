@@ -139,16 +139,25 @@ std::string config_name() {
   return g_name;
 }
 
-OCIO::ConstCPUProcessorRcPtr scene_linear_from(const std::string& space) {
+namespace {
+
+/// Between a space (of the config in force, else of ours) and scene_linear.
+OCIO::ConstCPUProcessorRcPtr processor_for(const std::string& space, bool is_to_space) {
   const OCIO::ConstConfigRcPtr config = config_in_force(), own = own_config();
+  const auto ordered = [&](const OCIO::ConstConfigRcPtr& of_space) {
+    const char *name = space.c_str(), *linear = OCIO::ROLE_SCENE_LINEAR;
+    if (of_space == config) return is_to_space ? config->getProcessor(linear, name) : config->getProcessor(name, linear);
+    return is_to_space ? OCIO::Config::GetProcessorFromConfigs(config, linear, own, name)
+                       : OCIO::Config::GetProcessorFromConfigs(own, name, config, linear);
+  };
   try {
     OCIO::ConstProcessorRcPtr processor;
     if (knows(config, space))
-      processor = config->getProcessor(space.c_str(), OCIO::ROLE_SCENE_LINEAR);
+      processor = ordered(config);
     else if (knows(own, space)) {
       if (!config->hasRole("aces_interchange"))
         fail(fmt::format("{} has neither a space \"{}\" nor the role aces_interchange to reach it by", config_name(), space));
-      processor = OCIO::Config::GetProcessorFromConfigs(own, space.c_str(), config, OCIO::ROLE_SCENE_LINEAR);
+      processor = ordered(own);
     } else {
       throw Error(ExitStatus::bad_data,
                   fmt::format("unknown colour space \"{}\"; {} knows: {}", space, config_name(), fmt::join(colour_space_names(), ", ")));
@@ -158,6 +167,11 @@ OCIO::ConstCPUProcessorRcPtr scene_linear_from(const std::string& space) {
     fail(fmt::format("{}: {}", config_name(), e.what()));
   }
 }
+
+} // namespace
+
+OCIO::ConstCPUProcessorRcPtr scene_linear_from(const std::string& space) { return processor_for(space, false); }
+OCIO::ConstCPUProcessorRcPtr scene_linear_to(const std::string& space) { return processor_for(space, true); }
 
 void apply_in_bands(const OCIO::CPUProcessor& processor, float* pixels, size_t pixel_count, int channels) {
   constexpr size_t k_band = 16384; // pixels: some tenths of a millisecond of work even for a matrix

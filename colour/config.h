@@ -18,6 +18,8 @@ OCIO::ConstConfigRcPtr own_config();
 
 /// From a space or role of the config in force, or failing that of ours, to scene_linear.
 OCIO::ConstCPUProcessorRcPtr scene_linear_from(const std::string& space_or_role);
+/// The other way round.
+OCIO::ConstCPUProcessorRcPtr scene_linear_to(const std::string& space_or_role);
 
 /// How a user recognises the config in force: its path, or "kelpie's own OCIO config".
 std::string config_name();

@@ -11,6 +11,10 @@ namespace kelpie {
 
 using namespace colour;
 
+void from_scene_linear(float* pixels, size_t pixel_count, int channels, const std::string& space_or_role) {
+  colour::apply_in_bands(*colour::scene_linear_to(space_or_role), pixels, pixel_count, channels);
+}
+
 std::vector<std::string> view_names() {
   const auto config = config_in_force();
   const char* display = config->getDefaultDisplay();

@@ -29,6 +29,9 @@ private:
   std::shared_ptr<const void> processor_; // OCIO::CPUProcessor
 };
 
+/// Scene-linear pixels in place to a space or role (spaces.h): interleaved, 3 or 4 channels.
+void from_scene_linear(float* pixels, size_t pixel_count, int channels, const std::string& space_or_role);
+
 /// The views of the default display under the config in force, the default one first.
 std::vector<std::string> view_names();
 

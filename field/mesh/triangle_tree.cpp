@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace kelpie {
@@ -38,10 +39,34 @@ double squared_distance(const std::array<Vec3d, 3>& t, const Vec3d& p) {
   return squared(ap - ab * (vb / sum) - ac * (vc / sum));
 }
 
+/// Where a ray enters a box (not before its origin); infinite where it misses it or all of it lies beyond `most`.
+double way_to(const Box3d& box, const Vec3d& origin, const Vec3d& inverse, double most) {
+  double near = 0, far = most;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double a = (box.lower[axis] - origin[axis]) * inverse[axis], b = (box.upper[axis] - origin[axis]) * inverse[axis];
+    near = std::fmax(near, std::fmin(a, b)), far = std::fmin(far, std::fmax(a, b)); // a ray in a side's plane makes no number of it
+  }
+  return near <= far ? near : std::numeric_limits<double>::infinity();
+}
+
+/// Moeller and Trumbore (1997), of triangles seen from behind.
+double way_out_of(const std::array<Vec3d, 3>& t, const Vec3d& origin, const Vec3d& direction, double least_cosine) {
+  const Vec3d ab = t[1] - t[0], ac = t[2] - t[0], normal = glm::cross(ab, ac), from = origin - t[0];
+  const double along = glm::dot(direction, normal), none = std::numeric_limits<double>::infinity();
+  if (!(along > 0 && along >= least_cosine * glm::length(normal))) return none;
+  const Vec3d turned = glm::cross(direction, from);
+  const double u = glm::dot(ac, turned), v = -glm::dot(ab, turned);
+  const double way = -glm::dot(from, normal);
+  return u >= 0 && v >= 0 && u + v <= along && way > 0 ? way / along : none;
+}
+
 } // namespace
 
+double distance_to_triangle(const std::array<Vec3d, 3>& triangle, const Vec3d& p) { return std::sqrt(squared_distance(triangle, p)); }
+
 TriangleTree::TriangleTree(const Mesh& mesh) {
-  for (const Triangle& t : mesh.triangles) triangles_.push_back({mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]});
+  for (const Triangle& t : mesh.triangles)
+    triangles_.push_back({{mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]}, static_cast<uint32_t>(triangles_.size())});
   nodes_.reserve(2 * triangles_.size() / k_leaf_triangles + 2);
   nodes_.emplace_back();
   build(0, 0, triangles_.size(), 0);
@@ -53,14 +78,14 @@ void TriangleTree::build(uint32_t index, size_t first, size_t count, int depth) 
   double area = 0;
   Vec3d mean(0);
   for (size_t i = first; i < first + count; ++i) {
-    const auto& [a, b, c] = triangles_[i];
+    const auto& [a, b, c] = triangles_[i].corners;
     const Vec3d vector_area = 0.5 * glm::cross(b - a, c - a), centre = (a + b + c) / 3.0;
     node.box.extend(a), node.box.extend(b), node.box.extend(c), centres.extend(centre);
     node.area += vector_area, area += glm::length(vector_area), mean += centre * glm::length(vector_area);
   }
   node.centre = area > 0 ? mean / area : node.box.centre();
   for (size_t i = first; i < first + count; ++i)
-    for (const Vec3d& corner : triangles_[i]) node.radius = std::max(node.radius, glm::distance(corner, node.centre));
+    for (const Vec3d& corner : triangles_[i].corners) node.radius = std::max(node.radius, glm::distance(corner, node.centre));
   const Vec3d extent = centres.is_empty() ? Vec3d(0) : centres.extent();
   const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
   if (count <= k_leaf_triangles || !(extent[axis] > 0) || depth >= k_most_depth) {
@@ -70,7 +95,7 @@ void TriangleTree::build(uint32_t index, size_t first, size_t count, int depth) 
   }
   const size_t half = count / 2;
   const auto begin = triangles_.begin() + static_cast<std::ptrdiff_t>(first);
-  const auto along = [axis](const std::array<Vec3d, 3>& t) { return t[0][axis] + t[1][axis] + t[2][axis]; };
+  const auto along = [axis](const Placed& t) { return t.corners[0][axis] + t.corners[1][axis] + t.corners[2][axis]; };
   std::nth_element(begin, begin + static_cast<std::ptrdiff_t>(half), begin + static_cast<std::ptrdiff_t>(count),
                    [&](const auto& a, const auto& b) { return along(a) < along(b); });
   node.first = static_cast<uint32_t>(nodes_.size());
@@ -89,7 +114,8 @@ double TriangleTree::distance(const Vec3d& p, double most) const {
     const Node& node = nodes_[stack[--depth]];
     if (squared_distance(node.box, p) >= nearest) continue;
     if (node.count > 0 || nodes_.size() == 1) {
-      for (uint32_t i = node.first; i < node.first + node.count; ++i) nearest = std::min(nearest, squared_distance(triangles_[i], p));
+      for (uint32_t i = node.first; i < node.first + node.count; ++i)
+        nearest = std::min(nearest, squared_distance(triangles_[i].corners, p));
       continue;
     }
     const bool is_first_nearer = squared_distance(nodes_[node.first].box, p) < squared_distance(nodes_[node.first + 1].box, p);
@@ -99,11 +125,34 @@ double TriangleTree::distance(const Vec3d& p, double most) const {
   return std::sqrt(nearest);
 }
 
+double TriangleTree::way_out(const Vec3d& origin, const Vec3d& direction, double least_cosine) const {
+  const Vec3d inverse = 1.0 / direction;
+  double nearest = std::numeric_limits<double>::infinity();
+  std::array<uint32_t, k_most_depth + 8> stack;
+  size_t depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    const Node& node = nodes_[stack[--depth]];
+    if (!(way_to(node.box, origin, inverse, nearest) < nearest)) continue;
+    if (node.count > 0 || nodes_.size() == 1) {
+      for (uint32_t i = node.first; i < node.first + node.count; ++i)
+        nearest = std::min(nearest, way_out_of(triangles_[i].corners, origin, direction, least_cosine));
+      continue;
+    }
+    const double first = way_to(nodes_[node.first].box, origin, inverse, nearest);
+    const bool is_first_nearer = first < way_to(nodes_[node.first + 1].box, origin, inverse, nearest);
+    stack[depth++] = node.first + is_first_nearer; // the nearer one is looked at first
+    stack[depth++] = node.first + !is_first_nearer;
+  }
+  return nearest;
+}
+
 /// Of the triangles of a leaf: van Oosterom and Strackee (1983).
 double TriangleTree::solid_angle(const Node& node, const Vec3d& p) const {
   double sum = 0;
   for (uint32_t i = node.first; i < node.first + node.count; ++i) {
-    const Vec3d a = triangles_[i][0] - p, b = triangles_[i][1] - p, c = triangles_[i][2] - p;
+    const auto& corners = triangles_[i].corners;
+    const Vec3d a = corners[0] - p, b = corners[1] - p, c = corners[2] - p;
     const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
     const double numerator = glm::dot(a, glm::cross(b, c));
     const double denominator = la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;

@@ -1,17 +1,10 @@
 #include "renderer/integrate/surfaces.h"
 
+#include "renderer/program/material_mix.h"
+
 namespace kelpie {
 
 namespace {
-
-/// Adds what is found in a program to what lacks of 1 in the mix.
-void add_found(const SampledMaterials& materials, const FieldProgram& program, const CodeView& code, const Vec3& p,
-               const Footprint& footprint, SurfaceMix& mix) {
-  thread_local std::vector<MaterialAt> found;
-  const float rest = 1 - mix.weight();
-  materials_at(program, code, Vec3d(p), footprint, found);
-  for (const MaterialAt& m : found) add_material(materials, m.material, m.position, m.footprint, rest * m.share, mix);
-}
 
 /// Less than this is what float numbers lack of 1.
 constexpr float k_rest = 1e-5f;
@@ -37,11 +30,12 @@ const SurfaceParameters& Surfaces::at(const Hit& hit, const Footprint& footprint
   if (shape.is_uniform) return shape.surface;
   SurfaceMix mix;
   if (shape.texture)
-    add_found(frame_.materials, shape.texture->program(), shape.texture->code_at(Vec3d(hit.position)), hit.position, footprint, mix);
+    add_materials_at(frame_.materials, shape.texture->program(), shape.texture->code_at(Vec3d(hit.position)), Vec3d(hit.position),
+                     footprint, mix);
   if (mix.weight() < 1 - k_rest && hit.slab && !frame_.shapes[hit.shape].field.materials.empty()) {
     const CodeView& code = *hit.slab->cells[hit.cell].code;
-    add_found(frame_.materials, at_with_materials(hit.slab->program, code, hit.slab->slab_time(hit.time)), code, hit.position, footprint,
-              mix);
+    add_materials_at(frame_.materials, at_with_materials(hit.slab->program, code, hit.slab->slab_time(hit.time)), code, Vec3d(hit.position),
+                     footprint, mix);
   }
   if (mix.weight() < 1 - k_rest) {
     if (const MaterialIndex rest = frame_.shapes[hit.shape].surface; rest.is_set())

@@ -4,32 +4,15 @@
 #include <unordered_map>
 
 #include "base/parallel.h"
-#include "renderer/program/bound.h"
+#include "renderer/program/surface_search.h"
 
 namespace kelpie {
 
 namespace {
 
-/// A box is empty or full only by this part of the threshold: blobs are bounded in float.
-constexpr double k_margin = 1e-5;
 constexpr uint32_t k_block = 8; ///< cells along each side of a block, at most
 
 using Place = Lattice::Place;
-
-bool is_empty(const Interval& field, double threshold) { return field.hi < threshold * (1 - k_margin); }
-bool is_full(const Interval& field, double threshold) { return field.lo > threshold * (1 + k_margin); }
-
-/// What of a program matters in a box; `field` receives its range there.
-Code code_in(const FieldProgram& program, const Code& parent, const Box3d& box, Interval& field) {
-  std::vector<Interval> ranges;
-  Code code = bound(program, parent, box, ranges);
-  field = ranges.back();
-  return code.steps.size() == 1 ? code : prune(program, code, ranges, Demand::value);
-}
-
-double value(const FieldProgram& program, const Code& code, const Vec3d& p) {
-  return evaluate(program, CodeView(code), Point3<double>{p.x, p.y, p.z});
-}
 
 /// The cells [first, last) of a lattice, with what matters there.
 struct Block {
@@ -114,7 +97,7 @@ public:
     before_ = code_in(moment.before, moment.before.code, box, unused);
     after_ = code_in(moment.after, moment.after.code, box, unused);
     const Place end{block.last[0] + 1, block.last[1] + 1, block.last[2] + 1};
-    for_each_place(block.first, end, [&](const Place& p) { field_.push_back(excess(lattice.at(p))); });
+    for_each_place(block.first, end, [&](const Place& p) { field_.push_back(excess(moment.now, block.code, lattice.at(p))); });
     for_each_place(block.first, block.last, [&](const Place& p) {
       inside[lattice.index(p)] = field_[local(p)] > 0; // the nodes beyond are those of the next block
       for (const auto& tetrahedron : k_tetrahedra) cut(p, tetrahedron);
@@ -123,7 +106,6 @@ public:
   }
 
 private:
-  double excess(const Vec3d& p) const { return value(moment_->now, block_->code, p) - moment_->now.threshold; }
   size_t local(const Place& p) const {
     const size_t x = p[0] - block_->first[0], y = p[1] - block_->first[1], z = p[2] - block_->first[2];
     return x + (block_->size(0) + 1) * (y + (block_->size(1) + 1) * z);
@@ -172,40 +154,24 @@ private:
     const uint64_t key = 8 * uint64_t(lattice_->index(corner_of(cell, lower))) + direction;
     const auto [known, is_new] = known_.try_emplace(key, static_cast<uint32_t>(vertices.size()));
     if (is_new) {
-      const Vec3d p = crossing(lattice_->at(in), field_[local(in)], lattice_->at(out), field_[local(out)]);
+      const Vec3d p = crossing_between(lattice_->at(in), field_[local(in)], lattice_->at(out), field_[local(out)]);
       vertices.push_back({key, p, static_cast<uint32_t>(lattice_->index(in)), speed(p)});
     }
     return known->second;
   }
 
-  /// Where the field crosses the threshold between a (inside) and b, by the Illinois variant of the false position.
-  Vec3d crossing(const Vec3d& a, double at_a, const Vec3d& b, double at_b) const {
-    constexpr int k_rounds = 8;
+  /// Where the field crosses the threshold between a (inside) and b.
+  Vec3d crossing_between(const Vec3d& a, double at_a, const Vec3d& b, double at_b) const {
     constexpr double k_close = 1e-6; // of the threshold
-    double s = 0, t = 1, middle = 0.5;
-    int side = 0;
-    for (int round = 0; round < k_rounds; ++round) {
-      middle = (s * at_b - t * at_a) / (at_b - at_a);
-      const double f = excess(a + middle * (b - a));
-      if (std::abs(f) <= k_close * moment_->now.threshold) break;
-      if (f > 0) {
-        s = middle, at_a = f;
-        if (side == 1) at_b /= 2;
-        side = 1;
-      } else {
-        t = middle, at_b = f;
-        if (side == -1) at_a /= 2;
-        side = -1;
-      }
-    }
-    return a + middle * (b - a);
+    const FieldProgram& program = moment_->now;
+    const auto excess_at = [&](double part) { return excess(program, block_->code, a + part * (b - a)); };
+    return a + crossing(at_a, at_b, k_close * program.threshold, excess_at) * (b - a);
   }
 
   /// -F_t / |grad F| of F, the field minus the threshold.
   float speed(const Vec3d& p) const {
     const double slope = glm::length(gradient(moment_->now, CodeView(block_->code), p));
-    const double change =
-        (value(moment_->after, after_, p) - moment_->after.threshold) - (value(moment_->before, before_, p) - moment_->before.threshold);
+    const double change = excess(moment_->after, after_, p) - excess(moment_->before, before_, p);
     return slope > 0 ? static_cast<float>(std::abs(change) / moment_->span / slope) : 0.f;
   }
 
@@ -234,22 +200,6 @@ Isosurface joined(const std::vector<BlockSurface>& blocks, std::vector<uint8_t> 
   return out;
 }
 
-void extend_by_surface(const FieldProgram& program, const Code& parent, const Box3d& box, double side, Box3d& out) {
-  Interval field;
-  const Code code = code_in(program, parent, box, field);
-  if (is_empty(field, program.threshold)) return;
-  const Vec3d extent = box.extent();
-  const int longest = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-  if (extent[longest] <= side || is_full(field, program.threshold)) {
-    out.extend(box);
-    return;
-  }
-  Box3d lower = box, upper = box;
-  lower.upper[longest] = upper.lower[longest] = box.centre()[longest];
-  extend_by_surface(program, code, lower, side, out);
-  extend_by_surface(program, code, upper, side, out);
-}
-
 } // namespace
 
 Isosurface extract_surface(const FieldMoment& moment, const Lattice& lattice) {
@@ -258,24 +208,6 @@ Isosurface extract_surface(const FieldMoment& moment, const Lattice& lattice) {
   std::vector<BlockSurface> pieces(blocks.size());
   parallel_for(size_t(0), blocks.size(), [&](size_t i) { pieces[i].run(moment, lattice, blocks[i], inside); });
   return joined(pieces, std::move(inside));
-}
-
-Box3d surface_bounds(const FieldProgram& program) {
-  Box3d box = program.support;
-  if (box.is_empty()) return box;
-  constexpr double k_endless = 1e6;
-  const auto largest = [](const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); };
-  if (!(largest(box.lower) < k_endless && largest(box.upper) < k_endless))
-    throw Error(ExitStatus::bad_data, "a shape without an end cannot be measured");
-  // From coarse to fine, so that a small surface in a wide support is found as exactly as a large one.
-  for (int round = 0; round < 2; ++round) {
-    const Vec3d extent = box.extent();
-    Box3d found;
-    extend_by_surface(program, program.code, box, std::max({extent.x, extent.y, extent.z}) / 40, found);
-    if (found.is_empty()) return found;
-    box = intersect(box, found);
-  }
-  return box;
 }
 
 } // namespace kelpie

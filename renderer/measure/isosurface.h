@@ -24,11 +24,7 @@ struct Isosurface {
 };
 
 /// Runs in the current TBB arena; the result does not depend on the number of threads. The nodes on the hull of the lattice must be
-/// outside, as those of Lattice::around(surface_bounds(...)) are.
+/// outside, as those of Lattice::around(surface_bounds(...)) (surface_search.h) are.
 Isosurface extract_surface(const FieldMoment&, const Lattice&);
-
-/// A box around all places where the field may exceed its threshold, too large by less than a twentieth of its longest side on each;
-/// empty where it is proved that there are none. Throws Error, bad_data, where the field has no end.
-Box3d surface_bounds(const FieldProgram&);
 
 } // namespace kelpie

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "renderer/program/surface_search.h"
+
 namespace kelpie {
 
 namespace {
