@@ -1,6 +1,7 @@
 #include "renderer/mesh/mesh_frame.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include <fmt/format.h>
@@ -44,17 +45,19 @@ double longest_side(const Box3d& box) {
   return std::max({extent.x, extent.y, extent.z});
 }
 
-/// Leaves out connected surfaces that are smaller than a length in every direction.
+/// Leaves out connected surfaces of less volume than a cube of this side: flakes of chance where two surfaces touch.
 Mesh without_specks(const Mesh& mesh, double smallest) {
   std::vector<Triangle> triangles = mesh.triangles;
   const Components components = orient_consistently(triangles);
-  std::vector<Box3d> boxes(components.count);
-  for (size_t i = 0; i < mesh.triangles.size(); ++i)
-    for (const uint32_t corner : mesh.triangles[i]) boxes[components.of_triangle[i]].extend(mesh.positions[corner]);
+  std::vector<double> volumes(components.count);
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const auto& [a, b, c] = mesh.triangles[i];
+    volumes[components.of_triangle[i]] += glm::dot(mesh.positions[a], glm::cross(mesh.positions[b], mesh.positions[c])) / 6;
+  }
   Mesh out;
   std::vector<uint32_t> places(mesh.positions.size(), ~0u);
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
-    if (longest_side(boxes[components.of_triangle[i]]) < smallest) continue;
+    if (std::abs(volumes[components.of_triangle[i]]) < smallest * smallest * smallest) continue;
     for (const uint32_t corner : mesh.triangles[i])
       if (places[corner] == ~0u)
         places[corner] = static_cast<uint32_t>(out.positions.size()), out.positions.push_back(mesh.positions[corner]);

@@ -270,36 +270,40 @@ std::vector<Box3d> faults_of(const Mesh& mesh, const Original& original, double 
   return out;
 }
 
-/// From where a collapser has come to on, again and again, with more and more of it locked, until there are no faults; or as it is.
-Mesh simplified(Collapser start, const Original& original, const SimplifyOptions& options) {
-  const double endless = std::numeric_limits<double>::infinity();
-  double around = options.tolerance;
+/// Advances a collapser from where it has come to, again and again, with more and more of it locked, until there are no faults by the
+/// tolerance (infinite: of triangles that meet); or leaves it as it is. `advance(collapser)` returns the tolerance.
+template <class Advance>
+Collapser advanced(Collapser start, const Original& original, double around, const Advance& advance) {
+  constexpr double k_wider = 1.5; // each round: fewer rounds, and a few triangles more
   while (true) {
     Collapser collapser = start;
-    collapser.run(options.tolerance, 0);
-    const bool is_over_budget = collapser.triangle_count() > options.most_triangles;
-    if (is_over_budget) collapser.run(endless, options.most_triangles);
-    const Mesh mesh = collapser.mesh();
-    const std::vector<Box3d> faults = faults_of(mesh, original, is_over_budget ? endless : options.tolerance);
-    if (faults.empty() || collapser.triangle_count() == start.triangle_count()) return mesh;
-    bool is_new = false;
-    while (true) {
+    const double tolerance = advance(collapser);
+    const std::vector<Box3d> faults = faults_of(collapser.mesh(), original, tolerance);
+    if (faults.empty() || collapser.triangle_count() == start.triangle_count()) return collapser;
+    for (bool is_new = false; !is_new; around *= k_wider)
       for (const Box3d& fault : faults) is_new = start.lock(fault.padded(around)) || is_new;
-      if (is_new) break;
-      around *= 2;
-    }
   }
 }
 
 } // namespace
 
 Mesh simplified(const Mesh& mesh, const ExactLattice& lattice, const SimplifyOptions& options) {
-  constexpr size_t k_safe_part = 16; // so few triangles, and still far from having faults
-  Collapser collapser(mesh, options.tolerance);
-  collapser.run(options.tolerance, mesh.triangles.size() / k_safe_part);
+  constexpr size_t k_safe_part = 16; // so few triangles, and still hardly a fault: what follows is cheap to repeat
   const Original original{mesh, TriangleTree(mesh), lattice};
-  if (!faults_of(collapser.mesh(), original, options.tolerance).empty()) collapser = Collapser(mesh, options.tolerance);
-  return simplified(std::move(collapser), original, options);
+  const double tolerance = options.tolerance;
+  Collapser rough = advanced(Collapser(mesh, tolerance), original, tolerance, [&](Collapser& collapser) {
+    collapser.run(tolerance, mesh.triangles.size() / k_safe_part);
+    return tolerance;
+  });
+  return advanced(std::move(rough), original, tolerance,
+                  [&](Collapser& collapser) {
+                    collapser.run(tolerance, 0);
+                    if (collapser.triangle_count() <= options.most_triangles) return tolerance;
+                    const double endless = std::numeric_limits<double>::infinity();
+                    collapser.run(endless, options.most_triangles);
+                    return endless;
+                  })
+      .mesh();
 }
 
 } // namespace kelpie
