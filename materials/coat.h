@@ -25,6 +25,7 @@ public:
   /// How much of what the base scatters from `in` gets to the viewer. `reflected`: what the coat reflects of light from all around.
   Vec3 lets_pass(const Vec3& out, const Vec3& in, float reflected) const;
   void make_at_least_as_rough_as(float alpha) { lobe_.make_at_least_as_rough_as(alpha); }
+  void widen(float by) { lobe_.widen(by); }
 
 private:
   Vec3 darkening(float cosine) const;

@@ -21,6 +21,8 @@ public:
 
   bool is_smooth() const { return alpha_.x == 0; }
   Ggx at_least_as_rough_as(float alpha) const { return Ggx(glm::max(alpha_, Vec2(alpha))); }
+  /// The same with normals spread further, evenly: twice the variance of their slopes in a direction, which adds to alpha^2.
+  Ggx widened(float by) const { return Ggx(glm::max(alpha_, glm::min(glm::sqrt(alpha_ * alpha_ + by), Vec2(1)))); }
   /// The width of isotropic microfacets that lose about as much light where they meet each other.
   float mean_alpha() const { return alpha_.x == alpha_.y ? alpha_.x : std::sqrt(0.5f * (alpha_.x * alpha_.x + alpha_.y * alpha_.y)); }
 

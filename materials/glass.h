@@ -15,6 +15,7 @@ With a `depth`, light is coloured on its way through: thin parts are pale, thick
   Value<Mode, float> depth{0.f};
   Value<Mode, float> ior{1.5f};
   Value<Mode, float> roughness{0.f};
+  Value<Mode, float> bump_height{0.f};
 
   static constexpr auto parameters() {
     return std::tuple{
@@ -24,6 +25,7 @@ With a `depth`, light is coloured on its way through: thin parts are pale, thick
         parameter("depth", &Glass::depth, "the way through it that colours light; 0: see there").in(Unit::length).at_least(0),
         parameter("ior", &Glass::ior, "index of refraction").at_least(1).at_most(4),
         parameter("roughness", &Glass::roughness, "0 is polished, 1 is dull; the microfacets' alpha is its square").at_least(0).at_most(1),
+        parameter("bump_height", &Glass::bump_height, k_bump_height_doc).in(Unit::length),
     };
   }
 
@@ -32,6 +34,7 @@ With a `depth`, light is coloured on its way through: thin parts are pale, thick
     SurfaceParameters s;
     s.transmission_weight = 1, s.transmission_color = colour, s.transmission_depth = depth;
     s.specular_ior = ior, s.specular_roughness = roughness;
+    s.bump_height = bump_height;
     return s;
   }
 };

@@ -1,5 +1,6 @@
 #include "materials/material.h"
 
+#include <algorithm>
 #include <array>
 
 namespace kelpie {
@@ -47,6 +48,17 @@ SurfaceParameters surface_of(const SampledMaterials& all, MaterialIndex index) {
   SurfaceMix mix;
   add_material(all, index, Vec3(0), {}, 1, mix);
   return mix.sum();
+}
+
+bool has_height(const SampledMaterials& all, MaterialIndex index) {
+  return std::visit(
+      [&](const auto& kind) {
+        if constexpr (requires { kind.surface(); })
+          return kind.surface().bump_height != 0;
+        else
+          return std::any_of(kind.stops.begin(), kind.stops.end(), [&](const auto& stop) { return has_height(all, stop.material); });
+      },
+      all[index.index]);
 }
 
 } // namespace kelpie

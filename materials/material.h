@@ -37,4 +37,7 @@ void add_material(const SampledMaterials&, MaterialIndex, const Vec3& p, const F
 bool is_uniform(const SampledMaterials&, MaterialIndex);
 SurfaceParameters surface_of(const SampledMaterials&, MaterialIndex);
 
+/// Whether some surface that it ranges over has a `bump_height`.
+bool has_height(const SampledMaterials&, MaterialIndex);
+
 } // namespace kelpie

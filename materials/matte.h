@@ -12,11 +12,13 @@ struct Matte {
 
   Value<Mode, Colour> colour{Colour{Vec3(0.5f)}};
   Value<Mode, float> roughness{0.f};
+  Value<Mode, float> bump_height{0.f};
 
   static constexpr auto parameters() {
     return std::tuple{
         parameter("colour", &Matte::colour, "albedo").at_least(0).at_most(1),
         parameter("roughness", &Matte::roughness, "0 is Lambert's, 1 is dusty and flat").at_least(0).at_most(1),
+        parameter("bump_height", &Matte::bump_height, k_bump_height_doc).in(Unit::length),
     };
   }
 
@@ -24,6 +26,7 @@ struct Matte {
   SurfaceParameters surface() const {
     SurfaceParameters s;
     s.base_color = colour, s.base_diffuse_roughness = roughness, s.specular_weight = 0;
+    s.bump_height = bump_height;
     return s;
   }
 };

@@ -7,6 +7,10 @@
 
 namespace kelpie {
 
+/// Of `bump_height`, which every kind of surface has.
+inline constexpr std::string_view k_bump_height_doc =
+    "how far the surface seems to stand out: where a pattern or a blend of materials makes it vary, light sees slopes. The outline stays";
+
 template <class Mode>
 struct OpenPbr {
   static constexpr std::string_view k_name = "openpbr";
@@ -28,6 +32,8 @@ From below: a *base*, which is a metal (`base_metalness`), or a dielectric over 
   Value<Mode, float> transmission_weight{0.f};
   Value<Mode, Colour> transmission_color{Colour{Vec3(1)}};
   Value<Mode, float> transmission_depth{0.f};
+  Value<Mode, float> transmission_dispersion_scale{0.f};
+  Value<Mode, float> transmission_dispersion_abbe_number{20.f};
   Value<Mode, float> coat_weight{0.f};
   Value<Mode, Colour> coat_color{Colour{Vec3(1)}};
   Value<Mode, float> coat_roughness{0.f};
@@ -39,6 +45,7 @@ From below: a *base*, which is a metal (`base_metalness`), or a dielectric over 
   Value<Mode, float> emission_luminance{0.f};
   Value<Mode, Colour> emission_color{Colour{Vec3(1)}};
   Value<Mode, Vec3> geometry_tangent{Vec3(1, 0, 0)};
+  Value<Mode, float> bump_height{0.f};
 
   static constexpr auto parameters() {
     return std::tuple{
@@ -75,6 +82,14 @@ From below: a *base*, which is a metal (`base_metalness`), or a dielectric over 
         parameter("transmission_depth", &OpenPbr::transmission_depth, "the way through the dielectric that colours light; 0: see there")
             .in(Unit::length)
             .at_least(0),
+        parameter("transmission_dispersion_scale", &OpenPbr::transmission_dispersion_scale,
+                  "how far the dielectric spreads colours, as a part of what its Abbe number says; 0: not at all")
+            .at_least(0)
+            .at_most(1),
+        parameter("transmission_dispersion_abbe_number", &OpenPbr::transmission_dispersion_abbe_number,
+                  "the lower, the wider colours are spread: 20 much, 55 diamond, 64 crown glass")
+            .at_least(9)
+            .at_most(91),
         parameter("coat_weight", &OpenPbr::coat_weight, "how much of the surface has a clear coat above it").at_least(0).at_most(1),
         parameter("coat_color", &OpenPbr::coat_color, "what the coat leaves of light that goes in and out").at_least(0).at_most(1),
         parameter("coat_roughness", &OpenPbr::coat_roughness, "as `specular_roughness`").at_least(0).at_most(1),
@@ -89,6 +104,7 @@ From below: a *base*, which is a metal (`base_metalness`), or a dielectric over 
             .at_least(0),
         parameter("emission_color", &OpenPbr::emission_color, "colour of what it emits").at_least(0),
         parameter("geometry_tangent", &OpenPbr::geometry_tangent, "the direction of brushing: its part along the surface counts").nonzero(),
+        parameter("bump_height", &OpenPbr::bump_height, k_bump_height_doc).in(Unit::length),
     };
   }
 

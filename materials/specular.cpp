@@ -33,6 +33,10 @@ void SpecularLobe::make_at_least_as_rough_as(float alpha) {
   if (!is_window()) p_.facets = p_.facets.at_least_as_rough_as(alpha);
 }
 
+void SpecularLobe::widen(float by) {
+  if (!is_window()) p_.facets = p_.facets.widened(by);
+}
+
 SpecularLobe::Gains SpecularLobe::gains(float cosine) const {
   Gains g;
   if (is_smooth()) return g;

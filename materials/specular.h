@@ -34,6 +34,8 @@ public:
 
   bool is_smooth() const { return p_.facets.is_smooth(); }
   void make_at_least_as_rough_as(float alpha);
+  /// See Ggx::widened.
+  void widen(float by);
 
   /// bsdf * |cosine of in|, without deltas, for out above the surface.
   Vec3 evaluate(const Vec3& out, const Vec3& in) const;
@@ -44,6 +46,8 @@ public:
   Vec3 dielectric_albedo(float cosine) const;
   /// About how much the lobe scatters towards a viewer.
   Vec3 about(float cosine) const;
+  /// Of light that meets the surface at a cosine and goes straight on, bent by nothing, about what passes.
+  Vec3 passing(float cosine) const { return (1 - p_.metalness) * p_.transmitted * (Vec3(1) - dielectric_albedo(cosine)); }
   bool is_transmissive() const { return p_.transmitted != Vec3(0); }
 
 private:

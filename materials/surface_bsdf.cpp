@@ -84,6 +84,20 @@ SurfaceBsdf SurfaceBsdf::at_least_as_rough_as(float alpha) const {
   return wide;
 }
 
+SurfaceBsdf SurfaceBsdf::widened(float by) const {
+  SurfaceBsdf wide = *this;
+  wide.specular_.widen(by), wide.coat_.widen(by);
+  return wide;
+}
+
+Vec3 SurfaceBsdf::passing(float cosine) const {
+  if (!has_specular() || !specular_.is_transmissive()) return Vec3(0);
+  const Vec3 passing = specular_.passing(cosine);
+  if (!has_coat()) return passing;
+  const Vec3 along(std::sqrt(std::max(0.f, 1 - cosine * cosine)), 0, cosine);
+  return passing * coat_.lets_pass(along, -along, coat_.lobe().dielectric_albedo(cosine).x);
+}
+
 SurfaceBsdf::Layers SurfaceBsdf::layers(const Vec3& out) const {
   Layers l;
   l.coat = has_coat() ? coat_.lobe().dielectric_albedo(out.z).x : 0;

@@ -34,6 +34,10 @@ public:
   }
   bool is_glossy() const { return lobes_ != k_diffuse; }
   SurfaceBsdf at_least_as_rough_as(float alpha) const;
+  /// The same with microfacets whose slopes vary more: `by` adds to the alpha^2 of all.
+  SurfaceBsdf widened(float by) const;
+  /// Of light that arrives at a cosine about what passes to the other side, if it is not bent on its way.
+  Vec3 passing(float cosine) const;
 
   Vec3 evaluate(const Vec3& out, const Vec3& in) const {
     if (is_glossy()) return evaluate_lobes(out, in);

@@ -43,6 +43,8 @@ struct Film {
   std::vector<Aov> aovs{Aov::Z, Aov::P, Aov::N, Aov::albedo};
   PixelFilter filter = PixelFilter::gaussian;
   Background background{};
+  bool specular_antialiasing = true;
+  bool tinted_shadows = false;
 
   static constexpr auto parameters() {
     return std::tuple{
@@ -57,6 +59,10 @@ struct Film {
             "fields for each sample of the pixel; takes time), motion (of the surface in the picture to the next frame, in pixels)"),
         parameter("filter", &Film::filter, "`gaussian` (smooth), `box` (one pixel wide), `centre` (no antialiasing)"),
         parameter("background", &Film::background, "`environment`, `transparent`, or a colour"),
+        parameter("specular_antialiasing", &Film::specular_antialiasing,
+                  "blurs highlights by as much as the surface bends within a pixel, so that small shiny things do not sparkle"),
+        parameter("tinted_shadows", &Film::tinted_shadows,
+                  "light goes straight through clear shapes, and takes their colour: soft, clean shadows of glass, without caustics"),
     };
   }
 };

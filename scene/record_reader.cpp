@@ -12,9 +12,10 @@ constexpr ParameterRules k_material_of_node{"material", {}}, k_named_material{"m
 /// A scene cannot ask for more at every point of a surface.
 constexpr int k_most_materials_deep = 32, k_most_materials_in_one = 1000;
 
-Stop<AnimatedMode> stop_of(const PlainStop& plain) {
+Stop<AnimatedMode> stop_of(const PlainStop& plain, float size) {
   OpenPbr<AnimatedMode> surface;
   surface.base_color = Colour{Vec3(plain.red, plain.green, plain.blue)}, surface.specular_roughness = plain.roughness;
+  surface.bump_height = plain.height * size;
   return {plain.at, make_material<OpenPbr>(surface)};
 }
 
@@ -56,7 +57,7 @@ bool RecordReader::complete_stops(Kind& kind, const JsonValue& v) {
   if constexpr (requires { kind.stops; }) {
     if (v.find("stops") && kind.stops.empty()) return fail(*v.find("stops"), "stops may not be empty");
     if (kind.stops.empty()) {
-      for (const PlainStop& plain : Kind::k_default_stops) kind.stops.push_back(stop_of(plain));
+      for (const PlainStop& plain : Kind::k_default_stops) kind.stops.push_back(stop_of(plain, kind.size.at(0)));
       return true;
     }
     std::set<double> frames{0};

@@ -20,8 +20,6 @@ struct Reserved {
 inline constexpr std::array k_reserved{
     Reserved{ReservedAs::key, "openpbr", "transmission_scatter"},
     Reserved{ReservedAs::key, "openpbr", "transmission_scatter_anisotropy"},
-    Reserved{ReservedAs::key, "openpbr", "transmission_dispersion_scale"},
-    Reserved{ReservedAs::key, "openpbr", "transmission_dispersion_abbe_number"},
     Reserved{ReservedAs::key, "openpbr", "subsurface_weight"},
     Reserved{ReservedAs::key, "openpbr", "subsurface_color"},
     Reserved{ReservedAs::key, "openpbr", "subsurface_radius"},

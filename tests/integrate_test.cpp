@@ -130,8 +130,45 @@ TEST(Integrate, WhiteFurnace) {
 TEST(Integrate, MirrorInWhiteLightIsInvisible) {
   Metal<SampledMode> m;
   m.colour.rgb = Vec3(1), m.roughness = 0;
-  const IntegrateResult result = render(blob_in_white(m));
+  FrameScene scene = blob_in_white(m);
+  scene.film.specular_antialiasing = false;
+  const IntegrateResult result = render(scene);
   for (const float v : result.image.find("G")->pixels) EXPECT_NEAR(v, 1, 1e-4);
+}
+
+// A mirroring ball of radius r scatters a sun of irradiance E evenly, with the intensity E r^2 / 4. One that is 6 pixels wide does so
+// without sparks.
+TEST(Integrate, SmallChromeDropsDoNotSparkle) {
+  struct Seen {
+    double mean = 0, noise = 0;
+  };
+  FrameScene scene = blob_in_white(Metal<SampledMode>{});
+  scene.lights.clear();
+  SunLight<SampledMode> sun;
+  sun.direction = Vec3(1, 1, 2), sun.angle = 0;
+  scene.lights.emplace_back(sun);
+  scene.camera.position = Vec3(0, 0, 8), scene.film.bounces = 0;
+  const auto seen = [&](bool antialiased) {
+    scene.film.specular_antialiasing = antialiased;
+    Seen result;
+    double squares = 0;
+    constexpr int k_frames = 64;
+    for (int frame = 0; frame < k_frames; ++frame) {
+      scene.frame = frame;
+      double sum = 0;
+      const IntegrateResult picture = render(scene);
+      for (const float v : picture.image.find("G")->pixels) sum += v;
+      result.mean += sum / k_frames, squares += sum * sum / k_frames;
+    }
+    result.noise = std::sqrt(std::max(0., squares - result.mean * result.mean)) / result.mean;
+    return result;
+  };
+  const Seen plain = seen(false), smooth = seen(true);
+  const double r2 = 1 - std::sqrt(0.5), pixel = 2 * std::tan(double(scene.camera.fov) * k_pi / 360) / scene.film.resolution.y;
+  const double truth = 0.9 * sun.strength * r2 / 4 / (8 * 8 * pixel * pixel);
+  EXPECT_NEAR(smooth.mean, truth, 0.2 * truth); // a rough ball throws more back to where light comes from
+  EXPECT_LT(smooth.noise, 0.1);
+  EXPECT_LT(smooth.noise, 0.1 * plain.noise);
 }
 
 // A facing plane under a sun of irradiance E reflects albedo E / pi.

@@ -12,11 +12,11 @@ struct Leather : SolidTexture<Leather, Mode> {
     phase   = the part of space that is nearer to a border of Worley's cells of p / size + turbulence * noise(p)
     profile: from 0 in the creases to 1 on the plump cells; creases are the part `creases` of space
 
-Good as a bump too.)";
+Its own stops are creases by their `bump_height`, too: 0 at 0, and a seventh of `size` at 1.)";
   static constexpr std::array<PlainStop, 4> k_default_stops{{{0, 0.012f, 0.006f, 0.004f, 0.7f},
-                                                             {0.4f, 0.05f, 0.022f, 0.012f, 0.5f},
-                                                             {0.75f, 0.13f, 0.062f, 0.032f, 0.4f},
-                                                             {1, 0.21f, 0.112f, 0.062f, 0.34f}}};
+                                                             {0.4f, 0.05f, 0.022f, 0.012f, 0.5f, 0.09f},
+                                                             {0.75f, 0.13f, 0.062f, 0.032f, 0.4f, 0.13f},
+                                                             {1, 0.21f, 0.112f, 0.062f, 0.34f, 0.145f}}};
   static constexpr PhaseDomain k_domain{0, 1, false};
 
   Value<Mode, float> creases{0.4f};

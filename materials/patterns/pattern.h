@@ -14,6 +14,7 @@ struct PlainStop {
   float at;
   float red, green, blue; ///< scene-linear base_color
   float roughness;        ///< specular_roughness
+  float height = 0;       ///< bump_height, in sizes of the pattern
 };
 
 /// A kind of pattern at one moment: a scalar function of space with values in [0, 1], and the stops that it ranges over

@@ -15,6 +15,12 @@ struct OrthonormalBasis {
     x = {1 + sign * z.x * z.x * a, sign * b, -sign * z.x};
     y = {b, sign + z.y * z.y * a, -z.y};
   }
+  /// x lies along a direction, as far as that is at right angles to z; if it is not at all, anyhow.
+  OrthonormalBasis(const Vec3& unit_z, const Vec3& along) : OrthonormalBasis(unit_z) {
+    const Vec3 across = glm::cross(z, along);
+    const float length = glm::length(across);
+    if (length > 1e-4f * glm::length(along)) y = across / length, x = glm::cross(y, z);
+  }
   Vec3 world_from_local(const Vec3& v) const { return v.x * x + v.y * y + v.z * z; }
   Vec3 local_from_world(const Vec3& v) const { return {glm::dot(v, x), glm::dot(v, y), glm::dot(v, z)}; }
 };

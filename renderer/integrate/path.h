@@ -45,6 +45,12 @@ struct Path {
   BsdfSample scattered;         ///< how `ray` left the last vertex
   Sought sought = Sought::none; ///< what counts of the light that `ray` finds
   bool after_matte = false;     ///< whether a vertex was matte, or as good as that
+  float wavelength = 0;         ///< in nanometres, once it has met what parts colours; 0: all
+  /// Where shadows are tinted: samples of lights at the last vertex counted what comes straight through clear shapes in the ray's
+  /// direction.
+  bool is_lit_through = false;
+  /// Since such a vertex the path went through clear shapes only, or to and fro in one: the light that it finds was counted there.
+  bool is_counted = false;
   PathResult result;
 
   bool seeks(const Light& light) const { return sought == Sought::all || (sought == Sought::even && light.is_even()); }
@@ -66,8 +72,10 @@ private:
   uint32_t shadowed(std::span<const Ray> rays, bool side_by_side, SolveCounters& counters) const;
   Vertex arrive(Path& path, const Hit& hit, int bounce) const;
   const SurfaceParameters& medium_at(uint32_t shape, const Hit& hit, std::optional<SurfaceParameters>& memory) const;
-  Boundary boundary_at(const Ray& arrived, const Hit& hit, const SurfaceParameters& surface) const;
-  Vec3 left_of_light(const Path& path, const Hit& hit) const;
+  Boundary boundary_at(const Ray& arrived, const Hit& hit, const SurfaceParameters& surface, float wavelength) const;
+  void widen(Vertex& vertex, const Footprint& footprint, float unseen) const;
+  Vec3 left_of_light(const ShapeSet& inside, const Vec3& start, const Hit& hit) const;
+  Vec3 let_through(Ray ray, RayCounters& counters) const;
   void escape(Path& path, int bounce) const;
   void add_direct_light(std::span<Vertex> vertices, int bounce, RayCounters& counters) const;
   bool scatter(Vertex& vertex, int bounce, RayCounters& counters) const;
@@ -81,6 +89,7 @@ private:
   const Background& background_;
   Surfaces surfaces_;
   int bounces_;
+  bool antialiases_, tints_shadows_;
   Sought for_matte_ = Sought::none, for_glossy_ = Sought::none; ///< what scattered rays can find
   bool has_near_light_ = false;                                 ///< one that may lie before what a ray meets
 };

@@ -31,11 +31,11 @@ struct RayCone {
   }
 
   /// Behind a surface at t, in a direction that was chosen with a density per solid angle: one of few samples stands for many
-  /// directions. A mirror or a clear surface leaves the cone as it is.
-  RayCone scattered(float t, float pdf, bool is_delta) const {
+  /// directions. A mirror or a clear surface leaves the cone as it is, but for `bend`: by how much the normals within it differ.
+  RayCone scattered(float t, float pdf, bool is_delta, float bend) const {
     constexpr float k_share = 0.1f; // of the lobe's width that one of a pixel's samples stands for
     const float lobe = is_delta ? 0 : k_share / std::sqrt(std::max(pdf, 1e-2f));
-    return {width_at(t), std::max(spread, lobe)};
+    return {width_at(t), std::max(spread + 2 * bend, lobe)};
   }
 };
 

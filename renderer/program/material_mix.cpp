@@ -1,13 +1,37 @@
 #include "renderer/program/material_mix.h"
 
+#include <cmath>
+
 namespace kelpie {
+
+namespace {
+
+/// How long in the world what has length 1 in the space of a material is, along the surface: by the footprint as both see it.
+float world_per_local(const Footprint& world, const Footprint& local) {
+  if (world.is_point() || (world.u == local.u && world.v == local.v)) return 1;
+  const float area = glm::length(glm::cross(local.u, local.v));
+  return area > 0 ? std::sqrt(glm::length(glm::cross(world.u, world.v)) / area) : 1;
+}
+
+} // namespace
 
 void add_materials_at(const SampledMaterials& materials, const FieldProgram& program, const CodeView& code, const Vec3d& p,
                       const Footprint& footprint, SurfaceMix& mix) {
   thread_local std::vector<MaterialAt> found;
   const float rest = 1 - mix.weight();
   materials_at(program, code, p, footprint, found);
-  for (const MaterialAt& m : found) add_material(materials, m.material, m.position, m.footprint, rest * m.share, mix);
+  for (const MaterialAt& m : found) {
+    const float scale = world_per_local(footprint, m.footprint);
+    if (scale == 1) {
+      add_material(materials, m.material, m.position, m.footprint, rest * m.share, mix);
+      continue;
+    }
+    SurfaceMix part;
+    add_material(materials, m.material, m.position, m.footprint, 1, part);
+    SurfaceParameters surface = part.sum();
+    surface.bump_height *= scale;
+    mix.add(surface, rest * m.share);
+  }
 }
 
 } // namespace kelpie

@@ -19,6 +19,13 @@ private:
   AxisWork before_;
 };
 
+/// The gradient at a point of the surface. Exactly on a flat face of a solid there is none, neither that of the outside nor that of the
+/// inside: then it is that of a point next to it, along `aside`.
+Vec3 surface_gradient(const ShapeCells& shape, const Cell& cell, const Vec3& p, const Vec3& aside, float time) {
+  const Vec3 g = cell_gradient(shape, cell, p, time);
+  return g != Vec3(0) ? g : cell_gradient(shape, cell, p + cell.epsilon * aside, time);
+}
+
 } // namespace
 
 Tracer::Tracer(const FrameScene& frame, const CellLimits& limits, KeptScenes* kept)
@@ -120,7 +127,7 @@ void Tracer::complete(const Ray& ray, const CellHit& cell_hit, Hit& hit) const {
   hit.is_leaving = ray.inside.contains(hit.shape);
   hit.lift = Vec3(0);
   hit.position = ray.origin + hit.t * ray.direction;
-  const Vec3 g = cell_gradient(shape, cell, hit.position, ray.time);
+  const Vec3 g = surface_gradient(shape, cell, hit.position, -ray.direction, ray.time);
   const float length = glm::length(g);
   // A vanishing gradient (a crease's exact middle): facing the ray is the best there is.
   hit.normal = length > 0 ? -g / length : -ray.direction;
@@ -134,11 +141,18 @@ Vec3 Tracer::velocity(const Hit& hit) const {
   if (const std::optional<Vec3> of_mesh = meshes_->velocity(hit.shape, hit.position, hit.time)) return *of_mesh * per_frame;
   const ShapeCells& shape = *hit.slab;
   const Cell& cell = shape.cells[hit.cell];
-  const Vec3 g = cell_gradient(shape, cell, hit.position, hit.time);
+  const Vec3 g = surface_gradient(shape, cell, hit.position, hit.normal, hit.time);
   const double rate = cell_rate(shape, cell, hit.position, hit.time);
   // Where the gradient vanishes next to threshold / radius the surface has no velocity: it appears, or tears.
   const double least = 1e-3 * shape.program.threshold / (1e3 * cell.epsilon);
   return static_cast<float>(-rate * shape.slabs * per_frame / (double(glm::dot(g, g)) + square(least))) * g;
+}
+
+Vec3 Tracer::normal_near(const Hit& hit, const Vec3& p) const {
+  if (!hit.slab) return hit.normal;
+  const Vec3 g = cell_gradient(*hit.slab, hit.slab->cells[hit.cell], p, hit.time);
+  const float length = glm::length(g);
+  return length > 0 ? -g / length : hit.normal;
 }
 
 void Tracer::leaves_at(const Hit& hit, std::vector<LeafAt>& out) const {

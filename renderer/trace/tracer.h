@@ -34,6 +34,9 @@ public:
   /// all of its velocity.)
   Vec3 velocity(const Hit&) const;
 
+  /// The normal of the field that a ray hit, as that of the hit, at a point near it; of what is no field the hit's own.
+  Vec3 normal_near(const Hit&, const Vec3& p) const;
+
   /// The leaves that make the field where a ray hit it, if that is an implicit shape; the limits must ask for identities.
   void leaves_at(const Hit&, std::vector<LeafAt>& out) const;
 
