@@ -207,8 +207,20 @@ struct EnumNames;
 
 template <>
 struct EnumNames<Interpolation> {
-  static constexpr std::array<std::pair<std::string_view, Interpolation>, 3> values{
-      {{"linear", Interpolation::linear}, {"step", Interpolation::step}, {"hermite", Interpolation::hermite}}};
+  static constexpr std::array<std::pair<std::string_view, Interpolation>, 5> values{{{"linear", Interpolation::linear},
+                                                                                     {"step", Interpolation::step},
+                                                                                     {"hermite", Interpolation::hermite},
+                                                                                     {"smooth", Interpolation::smooth},
+                                                                                     {"spline", Interpolation::spline}}};
+};
+
+template <>
+struct EnumNames<Outside> {
+  static constexpr std::array<std::pair<std::string_view, Outside>, 5> values{{{"hold", Outside::hold},
+                                                                               {"cycle", Outside::cycle},
+                                                                               {"cycle_offset", Outside::cycle_offset},
+                                                                               {"ping_pong", Outside::ping_pong},
+                                                                               {"continue", Outside::proceed}}};
 };
 
 /// A compile-time list of kinds.

@@ -96,24 +96,18 @@ double safety(const CameraPath& path, const std::vector<SubjectMoment>& moments,
   return std::max(1.0, most / k_most_share);
 }
 
-/// Smooth through all keys (Catmull and Rom): at each the slope between its neighbours.
 Animated<Vec3> smooth_curve(const std::vector<CameraKey>& keys, Vec3d CameraKey::*value) {
-  if (keys.size() == 1) return Vec3(keys.front().*value);
   std::vector<Key<Vec3>> list;
-  for (size_t i = 0; i < keys.size(); ++i) {
-    const CameraKey &a = keys[i > 0 ? i - 1 : 0], &b = keys[std::min(i + 1, keys.size() - 1)];
-    list.push_back({keys[i].frame, Vec3(keys[i].*value), {Vec3((b.*value - a.*value) / (b.frame - a.frame))}});
-  }
-  return {std::move(list), Interpolation::hermite};
+  for (const CameraKey& key : keys) list.push_back({key.frame, Vec3(key.*value), {}});
+  return {std::move(list), Interpolation::spline};
 }
 
 std::string text_of(const Animated<Vec3>& curve) {
   const auto text = [](const Vec3& v) { return fmt::format("[{:.4f}, {:.4f}, {:.4f}]", v.x, v.y, v.z); };
   if (curve.is_constant()) return text(curve.at(0));
   std::vector<std::string> keys;
-  for (const Key<Vec3>& k : curve.keys())
-    keys.push_back(fmt::format("\n      [{:g}, {}, {}]", k.frame, text(k.value), text(k.derivatives[0])));
-  return fmt::format("{{ \"interpolation\": \"hermite\", \"keys\": [{}\n    ] }}", fmt::join(keys, ","));
+  for (const Key<Vec3>& k : curve.curve()->keys()) keys.push_back(fmt::format("\n      [{:g}, {}]", k.frame, text(k.value)));
+  return fmt::format("{{ \"interpolation\": \"spline\", \"keys\": [{}\n    ] }}", fmt::join(keys, ","));
 }
 
 } // namespace

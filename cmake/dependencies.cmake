@@ -14,6 +14,7 @@ find_package(OpenEXR REQUIRED)
 find_package(Ceres REQUIRED)
 find_package(Eigen3 REQUIRED)
 find_package(hwy REQUIRED)
+find_package(muparser REQUIRED)
 find_package(OpenMesh REQUIRED)
 find_package(TinyGLTF REQUIRED)
 # Debian's OpenColorIO config file sets a wrong prefix; its pkg-config file is right.

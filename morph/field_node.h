@@ -16,6 +16,8 @@ struct FieldNode {
   SourcePosition where;
   /// What it and all below it is made of, but for what has a material of its own; null: what is above it says so.
   AnimatedMode::Material material;
+  /// What correspondences call it; empty: nothing.
+  std::string name{};
 };
 
 using FieldPtr = AnimatedMode::Child;

@@ -22,16 +22,11 @@ size_t count(const JsonValue& axis, std::string_view key) {
   return list && list->array() ? list->array()->size() : 0;
 }
 
-template <class T>
-void add_keys(const Animated<T>& curve, std::set<double>& frames) {
-  if (curve.is_constant()) return;
-  for (const Key<T>& key : curve.keys()) frames.insert(key.frame);
-}
-
-std::set<double> keys_of(const AxialAxis<AnimatedMode>& axis) {
+std::set<double> frames_of(const AxialAxis<AnimatedMode>& axis) {
   std::set<double> frames;
   for (const auto* list : {&axis.rest, &axis.deformed})
-    for (const Animated<Vec3>& point : *list) add_keys(point, frames);
+    for (const Animated<Vec3>& point : *list)
+      for (const double frame : point.frames()) frames.insert(frame);
   if (frames.empty()) frames.insert(0);
   return frames;
 }
@@ -58,7 +53,7 @@ void warn_of_folds(const std::vector<ReadNode>& nodes, const Document& document,
     const auto& axes = std::get<Axial<AnimatedMode>>(n.node->kind).axes;
     for (size_t i = 0; i < axes.size(); ++i) {
       double radius = double(axes[i].radius), at = 0, when = 0;
-      const std::set<double> frames = keys_of(axes[i]);
+      const std::set<double> frames = frames_of(axes[i]);
       for (const double frame : frames) {
         const AxisTube tube(Axial<SampledMode>::shape(sample_record(axes[i], frame)));
         if (tube.cut_radius() < radius * (1 - 1e-6)) radius = tube.cut_radius(), at = tube.cut_at(), when = frame;

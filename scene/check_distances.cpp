@@ -1,5 +1,6 @@
 #include "scene/check_distances.h"
 
+#include <algorithm>
 #include <set>
 
 #include <fmt/format.h>
@@ -18,9 +19,8 @@ struct NoDistance {
 
 /// Whether a curve is 1 at all times.
 bool is_one(const Animated<float>& curve) {
-  for (const Key<float>& key : curve.keys())
-    if (key.value != 1) return false;
-  return curve.at(0) == 1;
+  const std::vector<double> frames = curve.frames();
+  return curve.at(0) == 1 && std::all_of(frames.begin(), frames.end(), [&](double frame) { return curve.at(frame) == 1; });
 }
 
 template <class Kind>

@@ -44,7 +44,7 @@ void check_frames(const Frames& frames, const Document& document, ProblemList& p
 void check_camera(const Camera<AnimatedMode>& camera, const Document& document, ProblemList& problems) {
   std::set<double> frames{0};
   for (const Animated<Vec3>* curve : {&camera.position, &camera.look_at, &camera.up})
-    for (const Key<Vec3>& key : curve->keys()) frames.insert(key.frame);
+    for (const double frame : curve->frames()) frames.insert(frame);
   const SourcePosition where = place(document, "camera", {"look_at", "position", "up"});
   for (const double frame : frames) {
     const Vec3d view = Vec3d(camera.look_at.at(frame)) - Vec3d(camera.position.at(frame)), up(camera.up.at(frame));
@@ -95,8 +95,8 @@ void check_surface_radius(const FieldNode& node, const Kind& kind, const TimeMap
   if constexpr (requires { kind.surface_radius; }) {
     if (!kind.surface_radius) return;
     std::set<double> frames{first_frame};
-    for (const Key<float>& key : kind.weight.keys()) frames.insert(time.frame_of(key.frame));
-    for (const Key<float>& key : shape.threshold.keys()) frames.insert(key.frame);
+    for (const double frame : kind.weight.frames()) frames.insert(time.frame_of(frame));
+    for (const double frame : shape.threshold.frames()) frames.insert(frame);
     for (const double frame : frames) {
       const float weight = kind.weight.at(time.at(frame)), threshold = shape.threshold.at(frame);
       if (weight > threshold) continue;

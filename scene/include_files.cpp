@@ -12,8 +12,8 @@ namespace kelpie {
 namespace {
 
 /// The objects that are merged, and what one entry is called.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 3> k_merged{
-    {{"materials", "material"}, {"parts", "part"}, {"recipes", "recipe"}}};
+constexpr std::array<std::pair<std::string_view, std::string_view>, 4> k_merged{
+    {{"variables", "variable"}, {"materials", "material"}, {"parts", "part"}, {"recipes", "recipe"}}};
 
 /// The member of that name, if it is an object.
 JsonValue::Object* find_object(JsonValue& parent, std::string_view key) {

@@ -6,9 +6,14 @@
 #include <tuple>
 #include <type_traits>
 
+#include "morph/tree/animorphosis.h"
 #include "scene/library.h"
 
 namespace kelpie {
+
+/// The kinds of field that only scene files have: what they describe is a tree of other kinds (scene/grow_trees.h).
+using TreeMakerKinds = KindList<Animorphosis>;
+using SceneFieldKinds = Concat<FieldKinds, TreeMakerKinds>;
 
 /// Objects of which the key "kind" says which one of a list it is.
 template <class List>
@@ -38,9 +43,9 @@ struct RecordGroup {
 
 inline constexpr std::tuple k_groups{
     RecordGroup<Scene, Frames, Camera<AnimatedMode>, Film<AnimatedMode>, Shape, Library>{"the scene"},
-    KindGroup<FieldKinds>{"field", "fields"},
+    KindGroup<SceneFieldKinds>{"field", "fields"},
     RecordGroup<AxialAxis<AnimatedMode>, AxialFrame<AnimatedMode>, MorphObject<AnimatedMode>, FeatureElement<AnimatedMode>,
-                MorphFeature<AnimatedMode>>{"parts of fields"},
+                MorphFeature<AnimatedMode>, NodePair<AnimatedMode>>{"parts of fields"},
     RecordGroup<Stop<AnimatedMode>>{"parts of materials"},
     KindGroup<MaterialKinds>{"material", "materials"},
     KindGroup<GeometryKinds>{"geometry", "geometry"},

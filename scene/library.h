@@ -7,7 +7,7 @@ namespace kelpie {
 
 struct Library {
   static constexpr std::string_view k_name = "library";
-  static constexpr std::string_view k_doc = R"(A file of materials, parts and recipes, for scenes to `include`.
+  static constexpr std::string_view k_doc = R"(A file of variables, materials, parts and recipes, for scenes to `include`.
 
     { "kelpie": 1, "parts": { "drop": { "kind": "point", "centre": [0, 0, 0], "radius": 1 } } }
 
@@ -20,6 +20,7 @@ For an editor: `"$schema": "schema.json#/$defs/library"`, with what `kelpie sche
   std::string schema;
   std::optional<double> units;
   std::vector<std::string> include;
+  decltype(Scene::variables) variables;
   decltype(Scene::materials) materials;
   decltype(Scene::parts) parts;
   FreeObject recipes;
@@ -30,6 +31,7 @@ For an editor: `"$schema": "schema.json#/$defs/library"`, with what `kelpie sche
         parameter("$schema", &Library::schema, "where editors find the JSON schema; not used otherwise"),
         parameter("units", &Library::units, "metres per unit: where it is said, scenes that include the file must have the same").above(0),
         parameter("include", &Library::include, "further libraries"),
+        parameter("variables", &Library::variables, "numbers by name, for expressions"),
         parameter("materials", &Library::materials, "materials by name, for shapes and fields"),
         parameter("parts", &Library::parts, "fields by name, for instances"),
         parameter("recipes", &Library::recipes, "variations of a scene by name, for `--recipe`"),

@@ -57,8 +57,8 @@ private:
 
   void load(SdfMesh<AnimatedMode>& k, const SourcePosition&) {
     if (k.file.resolved.empty()) return;
-    double reach = k.radius.at(0); // at any time; a constant has no keys
-    for (const Key<float>& key : k.radius.keys()) reach = std::max(reach, double(key.value));
+    double reach = k.radius.at(0); // at any time
+    for (const double frame : k.radius.frames()) reach = std::max(reach, double(k.radius.at(frame)));
     const MeshSampling how{k.voxel, reach, k.weld, k.crease};
     const auto [entry, is_new] = grids_.try_emplace({k.file.resolved, how});
     std::shared_ptr<const DistanceGrid>& loaded = entry->second;

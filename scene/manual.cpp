@@ -68,8 +68,9 @@ Page page_of(std::string_view group, bool is_kind) {
     is_animated |= IsAnimated<MemberOf<decltype(row)>>;
   });
   text += fmt::format("\nAt least: {}\n", minimal_json<T>(is_kind));
-  if (may_have_material<T>()) text += "It may have a `material` of its own: `kelpie kinds material`.\n";
-  if (is_animated) text += "What may be animated is a constant or a curve: `kelpie kinds keys`.\n";
+  if (is_field_node<T>()) text += "It may have a `material` of its own (`kelpie kinds material`), and a `name`.\n";
+  if (is_animated)
+    text += "What may be animated is a constant, a curve (`kelpie kinds keys`) or an expression (`kelpie kinds expression`).\n";
   return {group, T::k_name, T::k_doc, text};
 }
 
@@ -81,7 +82,7 @@ constexpr bool k_has_kind<KindList<Kinds...>, Kind> = (std::is_same_v<Kinds<Anim
 /// Kinds of field are grouped by what they are made of.
 template <template <class> class Kind>
 std::string_view field_group() {
-  if (k_has_kind<MorphFolderKinds, Kind>) return "fields: morphs";
+  if (k_has_kind<Concat<MorphFolderKinds, TreeMakerKinds>, Kind>) return "fields: morphs";
   if (ComplexPrimitive<Kind<SampledMode>>) return "fields: complex primitives";
   using K = Kind<SampledMode>;
   if (SignedDistance<K>) return "fields: signed distances";
@@ -98,12 +99,37 @@ std::string_view material_group() {
 
 constexpr std::string_view k_keys_doc = R"(A value that changes over time.
 
-    { "keys": [[1, 0], [24, 1.5]], "interpolation": "linear" }
+    { "keys": [[1, 0], [24, 1.5]], "interpolation": "smooth", "after": "cycle" }
 
-Each key is [frame, value]; frames ascend and need not be whole. Before the first key and after the last
-one the value stays. `interpolation`: `linear` (the default), `step` (the value holds until the next key) or
-`hermite` (smooth: derivatives per frame follow the value, as in [1, 0, 0.5]; up to 4 of them).
-Source: Barbier, Galin, Akkouche (Hermite-Ferguson interpolation); methods.md section 2.)";
+Each key is [frame, value]; frames ascend and need not be whole. `interpolation` between two of them:
+    linear     straight (the default)
+    step       the value holds until the next key
+    smooth     starts and stops gently, and never leaves the values of two neighbours
+    spline     passes through the keys in a curve that may swing beyond them
+    hermite    derivatives per frame follow the value, as in [1, 0, 0.5]; up to 4 of them
+`before` the first key and `after` the last:
+    hold           the value stays (the default)
+    cycle          begins again; where the last value is the first, `smooth` and `spline` close the loop without a corner
+    cycle_offset   begins again from where it has come to: steps of a walk
+    ping_pong      back and forth
+    continue       straight on
+A component of a vector or colour may have keys of its own: [0, { "keys": … }, 0]. A formula instead of keys: `kelpie kinds expression`.
+Sources: Barbier, Galin, Akkouche (Hermite-Ferguson interpolation; methods.md section 2); Fritsch and Butland 1984; Catmull and Rom 1974.)";
+
+constexpr std::string_view k_expression_doc = R"doc(A number that follows a formula of the frame.
+
+    "radius": { "expression": "1 + 0.3*sin(2*pi*frame/48)" }
+    "position": [0, { "expression": "height*abs(sin(pi*frame/12))" }, 0]
+
+It may stand for any number that may be animated, and for any component of a vector or colour. `frame` is the frame in the time of the
+node: within an instance it is shifted and scaled like keys are, and moments between frames have fractions. Other names are the
+scene's `variables`, which are constants, keys or expressions themselves, and which `--set variables.height=2` changes.
+    + - * / ^    < > <= >= == != && ||    a ? b : c    ( )    pi
+    sin cos tan asin acos atan atan2(y, x) sinh cosh tanh exp ln log10 log2 sqrt pow(a, b) abs sign
+    floor ceil round fract mod(a, b) min max clamp(v, low, high) mix(a, b, t) smoothstep(from, to, v)
+    noise(v)     smooth and random, about one swing a unit: mean 0, mostly within -2 to 2, the same at each run
+Angles are radians. A formula is checked at up to 100 moments of the scene's frames when it is read, and whenever it is asked for: where
+it has no value, or one that its parameter may not have, that is an error.)doc";
 
 constexpr std::string_view k_material_doc = R"(What things are made of: a surface, or a pattern that ranges over materials.
 
@@ -152,6 +178,7 @@ std::vector<Page> all_pages() {
   });
   for (const Preset& preset : k_presets) pages.push_back({"materials by name", preset.name, preset.doc, page_text(preset)});
   pages.push_back({"values", "keys", k_keys_doc, {}});
+  pages.push_back({"values", "expression", k_expression_doc, {}});
   pages.push_back({"values", "colour", k_colour_doc, {}});
   pages.push_back({"values", "material", k_material_doc, {}});
   pages.push_back({"values", "falloff", k_falloff_doc, {}});

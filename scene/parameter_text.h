@@ -83,7 +83,7 @@ std::string type_text() {
   else if constexpr (Record<T>)
     return std::string(T::k_name);
   else if constexpr (std::is_same_v<T, FieldPtr>)
-    return std::string(k_group_name<FieldKinds>);
+    return std::string(k_group_name<SceneFieldKinds>);
   else if constexpr (std::is_same_v<T, MaterialPtr>)
     return std::string(k_group_name<MaterialKinds>);
   else if constexpr (std::is_same_v<T, FreeObject>)

@@ -27,10 +27,10 @@ struct KindsTrait<std::variant<Kinds<AnimatedMode>...>> : std::true_type {
 template <class V>
 concept IsKindVariant = KindsTrait<V>::value;
 
-/// Whether what has this table is a node of a field, which may have a material.
+/// Whether what has this table is a node of a field, which may have a material and a name.
 template <Record T>
-constexpr bool may_have_material() {
-  return std::is_constructible_v<FieldKinds::Variant<AnimatedMode>, T>;
+constexpr bool is_field_node() {
+  return std::is_constructible_v<SceneFieldKinds::Variant<AnimatedMode>, T>;
 }
 
 /// Calls `visit(row)` for each row of a table, in order.

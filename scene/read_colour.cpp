@@ -31,10 +31,7 @@ bool ValueReader::read_hex_colour(Vec3& out, const JsonValue& v, std::string_vie
 
 bool ValueReader::read_colour_in_space(Vec3& out, const JsonValue& v, std::string_view name) {
   constexpr std::array<std::string_view, 2> k_keys{"space", "rgb"};
-  bool is_good = true;
-  for (const JsonMember& m : *v.object())
-    if (std::find(k_keys.begin(), k_keys.end(), m.key) == k_keys.end())
-      is_good = fail(document_.where(m.key_at), fmt::format("unknown key {}{}", in_quotes(m.key), suggestion(m.key, k_keys)));
+  bool is_good = check_only(v, k_keys);
   const JsonValue *space = v.find("space"), *rgb = v.find("rgb");
   if (!space || !rgb) return fail(v, fmt::format("{}: missing key \"{}\" of the colour", name, space ? "rgb" : "space"));
   if (!space->string()) is_good = fail_type(*space, "space", "the name of a colour space");

@@ -22,6 +22,12 @@ bool is_within(const Range& range, float v) { return range.contains(double(v)); 
 bool is_within(const Range& range, const Vec3& v) { return is_within(range, v.x) && is_within(range, v.y) && is_within(range, v.z); }
 bool is_within(const Range& range, const Colour& c) { return is_within(range, c.rgb); }
 
+/// Whether a curve goes to where none of its keys is.
+bool may_leave_keys(const Ends& ends) {
+  const auto leaves = [](Outside how) { return how == Outside::proceed || how == Outside::cycle_offset; };
+  return leaves(ends.before) || leaves(ends.after);
+}
+
 bool have_equal_signs(float a, float b) { return (a < 0) == (b < 0); }
 bool have_equal_signs(const Vec3& a, const Vec3& b) {
   return have_equal_signs(a.x, b.x) && have_equal_signs(a.y, b.y) && have_equal_signs(a.z, b.z);
@@ -52,10 +58,10 @@ bool ValueReader::read_key(Key<T>& out, const JsonValue& v, Interpolation how, c
   return is_good;
 }
 
-/// A Hermite curve can leave the range in which its keys lie, and any that does not step passes what lies between two keys. Sampled, not
-/// solved: what slips through is less than an eighth of an interval wide.
+/// A Hermite curve or a spline can leave the range in which its keys lie, and any that does not step passes what lies between two keys.
+/// Sampled, not solved: what slips through is less than an eighth of an interval wide.
 template <class T>
-bool ValueReader::check_between_keys(const Animated<T>& curve, const JsonValue& v, const ParameterRules& rules) {
+bool ValueReader::check_between_keys(const Curve<T>& curve, const JsonValue& v, const ParameterRules& rules) {
   if (curve.interpolation() == Interpolation::step) return true;
   constexpr int k_samples = 8;
   for (size_t i = 1; i < curve.keys().size(); ++i)
@@ -72,14 +78,14 @@ bool ValueReader::check_between_keys(const Animated<T>& curve, const JsonValue& 
 
 template <class T>
 bool ValueReader::read_curve(Animated<T>& out, const JsonValue& v, const ParameterRules& rules) {
-  constexpr std::array<std::string_view, 2> k_keys{"keys", "interpolation"};
-  bool is_good = true;
-  for (const JsonMember& m : *v.object())
-    if (m.key != k_keys[0] && m.key != k_keys[1])
-      is_good = fail(document_.where(m.key_at), fmt::format("unknown key {}{}", in_quotes(m.key), suggestion(m.key, k_keys)));
-
+  constexpr std::array<std::string_view, 4> k_keys{"keys", "interpolation", "before", "after"};
+  bool is_good = check_only(v, k_keys);
+  const auto read_mode = [&](auto& mode, std::string_view key) {
+    if (const JsonValue* name = v.find(key)) is_good &= read_enum(mode, *name, ParameterRules{key, {}});
+  };
   Interpolation how = Interpolation::linear;
-  if (const JsonValue* name = v.find("interpolation")) is_good &= read_enum(how, *name, ParameterRules{"interpolation", {}});
+  Ends ends;
+  read_mode(how, "interpolation"), read_mode(ends.before, "before"), read_mode(ends.after, "after");
 
   const JsonValue* list = v.find("keys");
   if (!list) return fail(v, fmt::format("{}: missing key \"keys\"", rules.name));
@@ -96,8 +102,12 @@ bool ValueReader::read_curve(Animated<T>& out, const JsonValue& v, const Paramet
     previous = is_good_key ? &keys[i] : nullptr;
   }
   if (!is_good) return false;
-  out = Animated<T>(std::move(keys), how);
-  return check_between_keys(out, v, rules);
+  const auto curve = std::make_shared<Curve<T>>(std::move(keys), how, ends);
+  if (!check_between_keys(*curve, v, rules)) return false;
+  const bool is_constant = curve->keys().size() == 1;
+  if (!is_constant && may_leave_keys(ends)) return use_checked<T>(out, curve, "curve", v, rules);
+  out = is_constant ? Animated<T>(curve->keys().front().value) : Animated<T>(curve);
+  return true;
 }
 
 template bool ValueReader::read_curve(Animated<float>&, const JsonValue&, const ParameterRules&);

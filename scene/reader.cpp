@@ -3,6 +3,7 @@
 #include "scene/check_axes.h"
 #include "scene/check_distances.h"
 #include "scene/check_scene.h"
+#include "scene/grow_trees.h"
 #include "scene/include_files.h"
 #include "scene/library.h"
 #include "scene/link_parts.h"
@@ -80,6 +81,7 @@ Scene read_scene(const std::string& path, const ReadOptions& options, Diagnostic
   if (problems.is_empty()) check_scene(scene, document, problems), check_distances(scene, problems);
   check_axes(reader.nodes(), document, problems);
   load_assets(reader, scene, options.use_cache, problems, diagnostics);
+  if (problems.is_empty()) grow_trees(reader.tree_makers(), scene, problems);
   if (problems.is_empty()) check_size(scene, problems);
   problems.throw_if_any();
   warn_of_folds(reader.nodes(), document, diagnostics);

@@ -7,7 +7,7 @@ namespace kelpie {
 
 namespace {
 
-constexpr ParameterRules k_material_of_node{"material", {}}, k_named_material{"materials", {}};
+constexpr ParameterRules k_material_of_node{"material", {}}, k_name_of_node{"name", {}}, k_named_material{"materials", {}};
 
 /// A scene cannot ask for more at every point of a surface.
 constexpr int k_most_materials_deep = 32, k_most_materials_in_one = 1000;
@@ -31,11 +31,25 @@ std::string unknown_name(std::string_view what, std::string_view name, std::span
   return fmt::format("unknown {} {}{}", what, in_quotes(name), hint);
 }
 
+/// What makes a tree stands for the union of what it makes it of until that tree is there.
+template <class Kind>
+void RecordReader::set_kind(const FieldPtr& node, Kind&& kind) {
+  if constexpr (std::is_same_v<std::decay_t<Kind>, Animorphosis<AnimatedMode>>) {
+    node->kind = Union<AnimatedMode>{BooleanFormula::automatic, {kind.from, kind.to}};
+    tree_makers_.push_back({node, std::move(kind)});
+  } else {
+    node->kind = std::move(kind);
+  }
+}
+
 bool RecordReader::read(FieldPtr& out, const JsonValue& v, const ParameterRules& rules) {
   auto node = std::make_shared<FieldNode>();
   node->where = where(v);
-  bool is_good = read(node->kind, v, rules);
+  SceneFieldKinds::Variant<AnimatedMode> kind;
+  bool is_good = read(kind, v, rules);
+  std::visit([&](auto& k) { set_kind(node, std::move(k)); }, kind);
   if (const JsonValue* material = v.find("material")) is_good &= read(node->material, *material, k_material_of_node);
+  if (const JsonValue* name = v.find("name")) is_good &= read(node->name, *name, k_name_of_node);
   nodes_.push_back({node, &v});
   out = std::move(node);
   return is_good;
@@ -62,7 +76,7 @@ bool RecordReader::complete_stops(Kind& kind, const JsonValue& v) {
     }
     std::set<double> frames{0};
     for (const Stop<AnimatedMode>& stop : kind.stops)
-      for (const auto& key : stop.at.keys()) frames.insert(key.frame);
+      for (const double frame : stop.at.frames()) frames.insert(frame);
     const auto are_in_order = [&](double frame) {
       return std::is_sorted(kind.stops.begin(), kind.stops.end(),
                             [&](const auto& a, const auto& b) { return a.at.at(frame) < b.at.at(frame); });

@@ -15,6 +15,12 @@ struct ReadNode {
   const JsonValue* source;
 };
 
+/// A node that a tree is to be made for.
+struct ReadTreeMaker {
+  FieldPtr node;
+  Animorphosis<AnimatedMode> kind;
+};
+
 /// Says that the scene has no such part or material, and which it has.
 std::string unknown_name(std::string_view what, std::string_view name, std::span<const std::string_view> known);
 
@@ -95,6 +101,8 @@ public:
       if (m.key.empty()) is_good = fail(document().where(m.key_at), fmt::format("{}: a name may not be empty", rules.name));
       if constexpr (std::is_same_v<typename MapTrait<T>::Value, MaterialPtr>)
         is_good &= bool(out[m.key] = named_material(m.key, m.value));
+      else if constexpr (std::is_same_v<typename MapTrait<T>::Value, Animated<float>>)
+        is_good &= read_variable(out[m.key], m);
       else
         is_good &= read(out[m.key], m.value, rules);
     }
@@ -103,6 +111,8 @@ public:
 
   /// Every node of every field, children first.
   const std::vector<ReadNode>& nodes() const { return nodes_; }
+  /// Those of the nodes, inner ones first.
+  const std::vector<ReadTreeMaker>& tree_makers() const { return tree_makers_; }
 
 private:
   /// In the order of the table, whatever that of the text.
@@ -110,7 +120,7 @@ private:
   bool read_record(T& out, const JsonValue& v, std::string_view owner, bool is_kind) {
     bool is_good = true;
     size_t known = is_kind && v.find("kind");
-    if (may_have_material<T>() && v.find("material")) ++known; // read with the node
+    if (is_field_node<T>()) known += bool(v.find("material")) + bool(v.find("name")); // read with the node
     for_each_parameter<T>([&](const auto& row) {
       for (const JsonMember& m : *v.object()) {
         if (m.key != row.name) continue;
@@ -135,12 +145,17 @@ private:
   bool check_keys(const JsonValue& v, std::string_view owner, bool is_kind) {
     std::vector<std::string_view> known;
     if (is_kind) known.push_back("kind");
-    if (may_have_material<T>()) known.push_back("material");
+    if (is_field_node<T>()) known.insert(known.end(), {"material", "name"});
     for_each_parameter<T>([&](const auto& row) { known.push_back(row.name); });
     return check_keys(v, owner, known);
   }
 
   bool check_keys(const JsonValue&, std::string_view owner, std::span<const std::string_view> known);
+  bool read_variable(Animated<float>& out, const JsonMember& m) {
+    const Animated<float>* value = variable(m.key, m.value);
+    if (value) out = *value;
+    return value;
+  }
   /// The material of that name, read when it is first asked for; null where it cannot be used, which has been reported.
   MaterialPtr named_material(const std::string& name, const JsonValue&);
   bool read_material_name(MaterialPtr& out, const JsonValue&);
@@ -152,7 +167,11 @@ private:
   const std::string* read_kind_name(const JsonValue&, std::string_view parameter, std::string_view group,
                                     std::span<const std::string_view> known);
 
+  template <class Kind>
+  void set_kind(const FieldPtr& node, Kind&& kind);
+
   std::vector<ReadNode> nodes_;
+  std::vector<ReadTreeMaker> tree_makers_;
   std::map<const JsonValue*, MaterialPtr> named_; ///< materials that have been asked for by name; null: it cannot be used
   std::set<const JsonValue*> being_read_;         ///< of these
 };

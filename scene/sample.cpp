@@ -95,13 +95,13 @@ SampledField sample_field(const FieldNode& root, double frame, float threshold, 
   return field;
 }
 
-/// The keys of whatever is looked at: all that matters of them while the shutter is open.
-class Keys {
+/// What moves of whatever is looked at, and where it is not smooth while the shutter is open.
+class Moving {
 public:
-  Keys(double frame, double reach) : from_(frame - reach), to_(frame + reach) {}
+  Moving(double frame, double reach) : from_(frame - reach), to_(frame + reach) {}
 
-  bool are_there() const { return are_there_; }
-  /// The frames of those that the shutter may see, ascending.
+  bool is_any() const { return is_any_; }
+  /// The frames of those places, ascending.
   std::vector<double> breaks() const { return {breaks_.begin(), breaks_.end()}; }
 
   /// Of all values of a record.
@@ -122,14 +122,14 @@ public:
   template <class T>
   void add_curve(const Animated<T>& curve, const TimeMap& time = {}) {
     if (curve.is_constant()) return;
-    are_there_ = true;
-    for (const Key<T>& key : curve.keys())
-      if (const double at = time.frame_of(key.frame); at >= from_ && at <= to_) breaks_.insert(at);
+    is_any_ = true;
+    const auto [from, to] = std::minmax(time.at(from_), time.at(to_));
+    for (const double frame : curve.breaks(from, to)) breaks_.insert(std::clamp(time.frame_of(frame), from_, to_));
   }
 
 private:
   double from_, to_;
-  bool are_there_ = false;
+  bool is_any_ = false;
   std::set<double> breaks_;
   FieldFold<std::monostate> fold_{PartsShared::in_one_time};
 };
@@ -208,15 +208,15 @@ FrameScene sample_moment(const Scene& scene, double frame) {
 
 FrameScene sample(const Scene& scene, double frame) {
   FrameScene out = sample_moment(scene, frame);
-  Keys keys(frame, std::max(0.5 * double(out.camera.shutter), k_moment)), camera_keys = keys;
+  Moving moving(frame, std::max(0.5 * double(out.camera.shutter), k_moment)), camera = moving;
   for (const Shape& shape : scene.shapes) {
-    keys.add_curve(shape.threshold);
-    if (shape.field) keys.add_tree(*shape.field);
-    if (shape.geometry) std::visit([&](const auto& kind) { keys.add(kind); }, *shape.geometry);
+    moving.add_curve(shape.threshold);
+    if (shape.field) moving.add_tree(*shape.field);
+    if (shape.geometry) std::visit([&](const auto& kind) { moving.add(kind); }, *shape.geometry);
   }
-  camera_keys.add(scene.camera);
-  out.breaks = keys.breaks(), out.camera_stands = !camera_keys.are_there();
-  if (keys.are_there() || camera_keys.are_there()) out.moment = [&scene](double at) { return sample_moment(scene, at); };
+  camera.add(scene.camera);
+  out.breaks = moving.breaks(), out.camera_stands = !camera.is_any();
+  if (moving.is_any() || camera.is_any()) out.moment = [&scene](double at) { return sample_moment(scene, at); };
   return out;
 }
 

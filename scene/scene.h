@@ -85,6 +85,7 @@ World space is right-handed, y up. Files that a scene names are relative to it.)
   FreeObject meta;
   Frames frames;
   std::vector<std::string> include;
+  std::map<std::string, Animated<float>> variables;
   std::map<std::string, MaterialPtr> materials;
   std::map<std::string, FieldPtr> parts;
   FreeObject recipes;
@@ -109,6 +110,7 @@ World space is right-handed, y up. Files that a scene names are relative to it.)
         parameter("frames", &Scene::frames, "which frames there are"),
         parameter("include", &Scene::include, "files whose materials and parts are this scene's too: `kelpie kinds library`"),
         // What is referred to stands before what refers to it: this is the order of reading.
+        parameter("variables", &Scene::variables, "numbers by name, for expressions (`kelpie kinds expression`)"),
         parameter("materials", &Scene::materials, "materials by name, for shapes, fields and other materials"),
         parameter("parts", &Scene::parts, "fields by name, for any number of instances (`kelpie kinds instance`); not seen by themselves"),
         parameter("recipes", &Scene::recipes, "variations by name, each of paths and values as `--set` has them; `--recipe` takes one"),

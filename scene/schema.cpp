@@ -42,21 +42,41 @@ Json vector_schema(const ParameterRules& rules) {
   return {{"anyOf", {vector, number_schema("number", rules.range)}}};
 }
 
-Json animated_schema(const Json& value) {
+/// A curve, or (of numbers) an expression.
+Json curve_schema(const Json& value) {
   const Json key{{"type", "array"}, {"prefixItems", {{{"type", "number"}}, value}}, {"minItems", 2}, {"maxItems", 6}};
-  const Json curve{{"type", "object"},
-                   {"properties",
-                    {{"keys", {{"type", "array"}, {"items", key}, {"minItems", 1}}},
-                     {"interpolation", {{"enum", enum_names<Interpolation>()}, {"default", "linear"}}}}},
-                   {"required", Json::array({"keys"})},
-                   {"additionalProperties", false}};
-  return {{"anyOf", {value, curve}}};
+  const Json ends{{"enum", enum_names<Outside>()}, {"default", "hold"}};
+  return {{"type", "object"},
+          {"properties",
+           {{"keys", {{"type", "array"}, {"items", key}, {"minItems", 1}}},
+            {"interpolation", {{"enum", enum_names<Interpolation>()}, {"default", "linear"}}},
+            {"before", ends},
+            {"after", ends}}},
+          {"required", Json::array({"keys"})},
+          {"additionalProperties", false}};
+}
+Json expression_schema() {
+  return {{"type", "object"},
+          {"properties", {{"expression", {{"type", "string"}, {"minLength", 1}}}}},
+          {"required", Json::array({"expression"})},
+          {"additionalProperties", false}};
+}
+
+template <class T>
+Json animated_schema(const Json& value, const ParameterRules& rules) {
+  Json any = Json::array({value, curve_schema(value)});
+  if (std::is_same_v<T, float> || rules.is_number_for_all) any.push_back(expression_schema());
+  if (!std::is_same_v<T, float>) {
+    const Json number = number_schema("number", rules.range);
+    any.push_back(tuple_schema({{"anyOf", {number, curve_schema(number), expression_schema()}}}, 3));
+  }
+  return {{"anyOf", any}};
 }
 
 template <class T>
 Json type_schema(const ParameterRules& rules) {
   if constexpr (IsAnimated<T>)
-    return animated_schema(type_schema<typename AnimatedTrait<T>::Value>(rules));
+    return animated_schema<typename AnimatedTrait<T>::Value>(type_schema<typename AnimatedTrait<T>::Value>(rules), rules);
   else if constexpr (IsOptional<T>)
     return type_schema<typename OptionalTrait<T>::Value>(rules);
   else if constexpr (IsList<T>) {
@@ -98,7 +118,10 @@ template <Record T>
 Json record_schema(bool is_kind) {
   Json properties = Json::object(), required = Json::array(), rules = Json::array();
   if (is_kind) properties["kind"] = {{"const", T::k_name}}, required.push_back("kind");
-  if (may_have_material<T>()) properties["material"] = {{"anyOf", {reference("material"), {{"type", "string"}, {"minLength", 1}}}}};
+  if (is_field_node<T>()) {
+    const Json name{{"type", "string"}, {"minLength", 1}};
+    properties["material"] = {{"anyOf", {reference("material"), name}}}, properties["name"] = name;
+  }
   const T defaults{};
   for_each_parameter<T>([&](const auto& row) {
     Json p = type_schema<MemberOf<decltype(row)>>(row);

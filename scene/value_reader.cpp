@@ -114,6 +114,14 @@ bool ValueReader::read(Vec3& out, const JsonValue& v, const ParameterRules& rule
   return std::isfinite(length2) || fail(v, fmt::format("{} is too long a vector", rules.name));
 }
 
+bool ValueReader::check_only(const JsonValue& object, std::span<const std::string_view> known) {
+  bool is_good = true;
+  for (const JsonMember& m : *object.object())
+    if (std::find(known.begin(), known.end(), m.key) == known.end())
+      is_good = fail(document_.where(m.key_at), fmt::format("unknown key {}{}", in_quotes(m.key), suggestion(m.key, known)));
+  return is_good;
+}
+
 int ValueReader::read_name(const JsonValue& v, const ParameterRules& rules, std::span<const std::string_view> names) {
   if (!v.string()) {
     fail_type(v, rules.name, fmt::format("one of {}", fmt::join(names, ", ")));

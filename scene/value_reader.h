@@ -1,6 +1,9 @@
 // Reads single values: numbers, vectors, colours, names, paths, and what of them moves.
 #pragma once
 
+#include <algorithm>
+#include <map>
+
 #include <fmt/format.h>
 
 #include "base/suggest.h"
@@ -38,16 +41,18 @@ public:
     return i >= 0;
   }
 
-  /// A constant, or `{"keys": [[frame, value, derivative…], …], "interpolation": …}`.
+  /// A constant, a curve `{"keys": [[frame, value, derivative…], …], "interpolation": …}`, a formula `{"expression": …}`, or a list of
+  /// components of which each is one of these.
   template <class T>
   bool read(Animated<T>& out, const JsonValue& v, const ParameterRules& rules) {
-    if (!is_curve<T>(v)) {
-      T constant{};
-      if (!read(constant, v, rules)) return false;
-      out = Animated<T>(constant);
-      return true;
-    }
-    return read_curve(out, v, rules);
+    if (v.find("expression")) return read_expression(out, v, rules);
+    if constexpr (!std::is_same_v<T, float>)
+      if (has_object(v)) return read_components(out, v, rules);
+    if (is_curve<T>(v)) return read_curve(out, v, rules);
+    T constant{};
+    if (!read(constant, v, rules)) return false;
+    out = Animated<T>(constant);
+    return true;
   }
 
   SourcePosition where(const JsonValue& v) const { return document_.where(v.at); }
@@ -70,18 +75,40 @@ public:
 protected:
   const Document& document() const { return document_; }
 
+  /// A variable of the scene, read when it is first asked for; null where it cannot be used, which has been reported.
+  const Animated<float>* variable(const std::string& name, const JsonValue&);
+
 private:
   template <class T>
   static bool is_curve(const JsonValue& v) {
     // A colour may be an object as well: {"space": …, "rgb": …}.
     return v.object() && (!std::is_same_v<T, Colour> || v.find("keys") || v.find("interpolation"));
   }
+  /// Whether it is a list with an object in it.
+  static bool has_object(const JsonValue& v) {
+    return v.array() && std::any_of(v.array()->begin(), v.array()->end(), [](const JsonValue& e) { return e.object(); });
+  }
+  template <class T>
+  bool read_expression(Animated<T>& out, const JsonValue&, const ParameterRules&);
+  template <class T>
+  bool read_components(Animated<T>& out, const JsonValue&, const ParameterRules&);
+  /// `function` if all its values may be used at the frames that it is checked for; it goes on checking.
+  template <class T>
+  bool use_checked(Animated<T>& out, std::shared_ptr<const TimeFunction<T>> function, std::string_view what, const JsonValue&,
+                   const ParameterRules&);
   template <class T>
   bool read_curve(Animated<T>& out, const JsonValue&, const ParameterRules&);
   template <class T>
   bool read_key(Key<T>& out, const JsonValue&, Interpolation, const ParameterRules&);
   template <class T>
-  bool check_between_keys(const Animated<T>&, const JsonValue&, const ParameterRules&);
+  bool check_between_keys(const Curve<T>&, const JsonValue&, const ParameterRules&);
+  /// Reports every key of an object but the known ones.
+  bool check_only(const JsonValue& object, std::span<const std::string_view> known);
+
+  bool read_formula(Animated<float>& out, const JsonValue&, const ParameterRules&);
+  const Animated<float>* named_variable(const std::string& name, const JsonValue& expression);
+  /// The moments for which a formula is checked before anything is made of it.
+  std::vector<double> frames_to_check() const;
 
   int read_name(const JsonValue&, const ParameterRules&, std::span<const std::string_view> names);
   bool read_triple(Vec3& out, const JsonValue&, std::string_view name, std::string_view expected);
@@ -95,11 +122,22 @@ private:
   ProblemList& problems_;
   AssetFiles asset_files_;
   std::map<std::string, SourcePosition> named_at_; ///< by resolved path
+
+  struct Variable {
+    bool is_being_read = true, is_good = false;
+    Animated<float> value{};
+  };
+  std::map<const JsonValue*, Variable> variables_; ///< those that were asked for
 };
 
 extern template bool ValueReader::read_curve(Animated<float>&, const JsonValue&, const ParameterRules&);
 extern template bool ValueReader::read_curve(Animated<Vec3>&, const JsonValue&, const ParameterRules&);
 extern template bool ValueReader::read_curve(Animated<Colour>&, const JsonValue&, const ParameterRules&);
+extern template bool ValueReader::read_expression(Animated<float>&, const JsonValue&, const ParameterRules&);
+extern template bool ValueReader::read_expression(Animated<Vec3>&, const JsonValue&, const ParameterRules&);
+extern template bool ValueReader::read_expression(Animated<Colour>&, const JsonValue&, const ParameterRules&);
+extern template bool ValueReader::read_components(Animated<Vec3>&, const JsonValue&, const ParameterRules&);
+extern template bool ValueReader::read_components(Animated<Colour>&, const JsonValue&, const ParameterRules&);
 
 /// "one value", "2 values".
 std::string count_of_values(size_t n);

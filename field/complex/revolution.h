@@ -72,7 +72,7 @@ a crack. Source: Barbier, Galin, Akkouche; methods.md section 2, complex primiti
       std::vector<Vec3> values;
       if constexpr (std::is_same_v<Mode, AnimatedMode>) {
         values.push_back(profile[i].at(0));
-        for (const auto& key : profile[i].keys()) values.push_back(key.value);
+        for (const double frame : profile[i].frames()) values.push_back(profile[i].at(frame));
       }
       for (const Vec3& p : values)
         if (p.x < 0 || p.z < 0)

@@ -145,15 +145,16 @@ Affine feature_from_object(const SampledObjects& objects, const SampledFeature& 
 
 namespace {
 
-/// The frames at which any of several curves has a key; 0 if none has.
 template <class T>
-void add_keys(const Animated<T>& curve, std::set<double>& frames) {
-  for (const auto& key : curve.keys()) frames.insert(key.frame);
+void add_frames(const Animated<T>& curve, std::set<double>& frames) {
+  for (const double frame : curve.frames()) frames.insert(frame);
 }
 
 bool is_ever_positive(const Animated<float>& curve) {
-  const auto& keys = curve.keys();
-  return keys.empty() ? curve.at(0) > 0 : std::any_of(keys.begin(), keys.end(), [](const auto& key) { return key.value > 0; });
+  std::set<double> frames;
+  add_frames(curve, frames);
+  if (frames.empty()) frames.insert(0);
+  return std::any_of(frames.begin(), frames.end(), [&](double frame) { return curve.at(frame) > 0; });
 }
 
 std::string in_quotes(std::string_view name) { return fmt::format("\"{}\"", name); }
@@ -188,7 +189,7 @@ std::optional<std::string> problem_of_weights(const std::vector<Animated<float>>
   if (weights.size() != objects)
     return fmt::format("features: {} has {} {}, and there are {} objects", in_quotes(feature.name), weights.size(), what, objects);
   std::set<double> frames;
-  for (const auto& w : weights) add_keys(w, frames);
+  for (const auto& w : weights) add_frames(w, frames);
   if (frames.empty()) frames.insert(0);
   for (const double frame : frames)
     if (std::none_of(weights.begin(), weights.end(), [&](const auto& w) { return w.at(frame) > 0; }))
@@ -218,7 +219,7 @@ std::optional<std::string> problem_of_rotations(const AnimatedObjects& objects, 
 std::optional<std::string> problem_of_frames(const AnimatedObjects& objects, const AnimatedFeature& feature) {
   std::set<double> frames{0};
   for (const auto& object : objects)
-    if (const auto* element = object.element(feature.name)) add_keys(element->axis, frames), add_keys(element->across, frames);
+    if (const auto* element = object.element(feature.name)) add_frames(element->axis, frames), add_frames(element->across, frames);
   for (const double frame : frames)
     if (const auto problem = problem_of_rotations(objects, feature, frame)) return problem;
   return {};

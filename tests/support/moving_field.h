@@ -74,7 +74,7 @@ inline FrameScene point_scene(const Animated<Vec3>& centre, float shutter, doubl
   };
   FrameScene scene = moment(frame);
   scene.moment = moment, scene.camera.shutter = shutter;
-  for (const auto& key : centre.keys()) scene.breaks.push_back(key.frame);
+  scene.breaks = centre.breaks(frame - 0.5 * double(shutter), frame + 0.5 * double(shutter));
   return scene;
 }
 

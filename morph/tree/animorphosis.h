@@ -1,0 +1,60 @@
+// One field tree becomes another.
+#pragma once
+
+#include "base/kind.h"
+
+namespace kelpie {
+
+/// Two nodes that correspond, by their names.
+template <class Mode>
+struct NodePair {
+  static constexpr std::string_view k_name = "node_pair";
+  static constexpr std::string_view k_doc = R"(Two nodes of an `animorphosis` that correspond, by the `name` that each has in its tree.
+
+They become one another, and what is above them corresponds too: both must stand equally deep below operators that do. A name may stand
+in several pairs: then the node is divided, and each part goes its own way.)";
+
+  std::string from, to;
+  std::optional<Value<Mode, float>> progress{};
+
+  static constexpr auto parameters() {
+    return std::tuple{
+        parameter("from", &NodePair::from, "a node of `from`").required(),
+        parameter("to", &NodePair::to, "a node of `to`").required(),
+        parameter("progress", &NodePair::progress, "of the pair and all below it, instead of that of the whole").at_least(0).at_most(1),
+    };
+  }
+};
+
+/// A kind only in scene files: when a scene is read it is replaced by the tree that generic_tree() makes of it.
+template <class Mode>
+struct Animorphosis {
+  static constexpr std::string_view k_name = "animorphosis";
+  static constexpr std::string_view k_doc = R"(One animated field becomes another, part by part.
+
+    { "kind": "animorphosis", "from": { … }, "to": { … }, "progress": { "keys": [[1, 0], [96, 1]], "interpolation": "smooth" },
+      "pairs": [{ "from": "left foot", "to": "left claw" }] }
+
+At `progress` 0 it is `from`, at 1 it is `to`, both as they move; between, a tree that has both in it. Level by level, each part of the
+one gets its counterpart in the other, by place, size, kind and name; `pairs` forces some. Numbers and places go straight, directions turn.
+Skeletons of different kinds become one another through a simpler or a richer one that both can be: a cylinder becomes a box through a segment or
+a point. A part without a counterpart grows out of its neighbour, or back into it. Blends, hyper-blends and unions become one another
+by the n of a hyper-blend; warps start from where they do nothing. What can be matched in no way shrinks away while the
+other grows. Materials that differ are mixed. Source: Barbier, Galin, Akkouche, animorphosis; methods.md section 2.)";
+
+  typename Mode::Child from{}, to{};
+  Value<Mode, float> progress{0.f};
+  std::vector<NodePair<Mode>> pairs;
+
+  static constexpr auto parameters() {
+    using A = Animorphosis;
+    return std::tuple{
+        parameter("from", &A::from, "the field at the beginning").required(),
+        parameter("to", &A::to, "the field at the end").required(),
+        parameter("progress", &A::progress, "how far it has come").at_least(0).at_most(1).required(),
+        parameter("pairs", &A::pairs, "nodes that correspond, whatever their places"),
+    };
+  }
+};
+
+} // namespace kelpie

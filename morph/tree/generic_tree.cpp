@@ -1,0 +1,415 @@
+#include "morph/tree/generic_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "base/suggest.h"
+#include "morph/tree/computed.h"
+#include "morph/tree/correspondence.h"
+#include "morph/tree/neutral.h"
+#include "morph/tree/skeleton_graph.h"
+
+namespace kelpie {
+
+namespace {
+
+using A = AnimatedMode;
+using Progress = Animated<float>;
+
+FieldPtr node_of(AnimatedKind kind, const FieldNode& like) {
+  return std::make_shared<FieldNode>(FieldNode{std::move(kind), like.where, like.material, like.name});
+}
+
+/// Of one end, how much of it is left: 1 - s.
+Progress rest_of(const Progress& s) {
+  return computed<float>([](float t) { return 1 - t; }, s);
+}
+
+class Builder {
+public:
+  Builder(const std::vector<NodePair<A>>& pairs, double frame, const SourcePosition& where) : pairs_(pairs), frame_(frame), where_(where) {}
+
+  /// a at s = 0, b at s = 1.
+  FieldPtr build(const FieldPtr& a, const FieldPtr& b, Progress s) {
+    for (size_t i = 0; i < pairs_.size(); ++i)
+      if (is_called(*a, pairs_[i].from) && is_called(*b, pairs_[i].to)) {
+        met_.insert(i);
+        if (pairs_[i].progress) s = *pairs_[i].progress;
+      }
+    const bool is_leaf_a = children_of(*a).empty(), is_leaf_b = children_of(*b).empty();
+    if (a->material != b->material && !(is_leaf_a && is_leaf_b))
+      if (FieldPtr out = twice(a, b, s)) return out;
+    FieldPtr out = is_leaf_a && is_leaf_b ? leaves(*a, *b, s) : nullptr;
+    if (!out && (is_warp(*a) || is_warp(*b))) out = warps(a, b, s);
+    if (!out && !(is_leaf_a && is_leaf_b)) out = operators(a, b, s);
+    return out ? out : exchange(a, b, s);
+  }
+
+  void check_pairs() const {
+    for (size_t i = 0; i < pairs_.size(); ++i)
+      if (!met_.count(i))
+        fail(fmt::format("\"{}\" and \"{}\" cannot correspond: what they stand in does not, or they stand at different levels",
+                         pairs_[i].from, pairs_[i].to));
+  }
+
+private:
+  [[noreturn]] void fail(const std::string& what) const { throw Error(ExitStatus::bad_data, "pairs: " + what, where_); }
+
+  static bool is_called(const FieldNode& node, std::string_view name) { return node.name == name; }
+  static bool has_below(const FieldNode& node, std::string_view name) {
+    const std::vector<FieldPtr> children = children_of(node);
+    return is_called(node, name) || std::any_of(children.begin(), children.end(), [&](const FieldPtr& c) { return has_below(*c, name); });
+  }
+
+  // --- leaves ---
+
+  /// What two skeletons have in common: one or two kinds that change, each with how much of it is there.
+  static std::vector<AnimatedKind> solids(const FieldNode& a, const FieldNode& b, const Progress& s) {
+    AnimatedKind from = a.kind, to = b.kind;
+    make_comparable(from, to);
+    if (const auto one = mixed_kind(from, to, s)) return {*one};
+    const std::optional<SkeletonPath> path = skeleton_path(a.kind, b.kind);
+    if (!path) return {};
+    if (path->stages.size() == 1) return {*mixed_kind(path->stages[0].from, path->stages[0].to, s)};
+    const Progress first = computed<float>([](float t) { return std::min(1.f, 2 * t); }, s);
+    const Progress second = computed<float>([](float t) { return std::max(0.f, 2 * t - 1); }, s);
+    const auto is_first = computed<float>([](float t) { return t < 0.5f ? 1.f : 0.f; }, s);
+    return {weighted(*mixed_kind(path->stages[0].from, path->stages[0].to, first), is_first),
+            weighted(*mixed_kind(path->stages[1].from, path->stages[1].to, second), rest_of(is_first))};
+  }
+
+  static AnimatedKind weighted(AnimatedKind kind, const Animated<float>& factor) {
+    const FieldPtr node = weighted_tree(FieldNode{std::move(kind), {}, {}, {}}, factor);
+    return node ? node->kind : AnimatedKind{};
+  }
+
+  /// Null where they have nothing in common.
+  static FieldPtr leaves(const FieldNode& a, const FieldNode& b, const Progress& s) {
+    const std::vector<AnimatedKind> kinds = solids(a, b, s);
+    if (kinds.empty()) return nullptr;
+    std::vector<FieldPtr> nodes;
+    const bool is_one_matter = a.material == b.material && falloff_of(a.kind) == falloff_of(b.kind);
+    for (const AnimatedKind& kind : kinds) {
+      if (is_one_matter) {
+        nodes.push_back(node_of(kind, a));
+        continue;
+      }
+      // The same solid twice, each with the falloff and the material of one end: their sum goes from the one to the other.
+      for (const auto& [end, part] : {std::pair(&a, rest_of(s)), std::pair(&b, s)}) {
+        AnimatedKind own = weighted(kind, part);
+        set_falloff(own, falloff_of(end->kind));
+        nodes.push_back(node_of(std::move(own), *end));
+      }
+    }
+    if (nodes.size() == 1) return nodes.front();
+    FieldPtr sum = node_of(Blend<A>{std::move(nodes)}, a);
+    sum->material = nullptr;
+    return sum;
+  }
+
+  static std::optional<Falloff> falloff_of(const AnimatedKind& kind) {
+    return std::visit(
+        []<class Kind>(const Kind& k) -> std::optional<Falloff> {
+          if constexpr (requires { k.falloff; })
+            if constexpr (std::is_same_v<decltype(Kind::falloff), Falloff>) return k.falloff;
+          return {};
+        },
+        kind);
+  }
+  static void set_falloff(AnimatedKind& kind, const std::optional<Falloff>& falloff) {
+    std::visit(
+        [&]<class Kind>(Kind& k) {
+          if constexpr (requires { k.falloff = Falloff::quartic; })
+            if (falloff) k.falloff = *falloff;
+        },
+        kind);
+  }
+
+  /// What has two patterns, each in its own space: all of it with the one, and all of it with the other, in sum. Null where the sum would
+  /// be another field.
+  FieldPtr twice(const FieldPtr& a, const FieldPtr& b, const Progress& s) {
+    if (!is_linear(*a) || !is_linear(*b)) return nullptr;
+    std::vector<FieldPtr> ends;
+    for (const auto& [material, part] : {std::pair(a->material, rest_of(s)), std::pair(b->material, s)}) {
+      const auto from = std::make_shared<FieldNode>(*a), to = std::make_shared<FieldNode>(*b);
+      from->material = to->material = material;
+      FieldPtr end = weighted_tree(*build(from, to, s), part);
+      if (!end) return nullptr;
+      ends.push_back(std::move(end));
+    }
+    FieldPtr sum = node_of(Blend<A>{std::move(ends)}, *a);
+    sum->material = nullptr;
+    return sum;
+  }
+
+  // --- warps ---
+
+  static bool is_warp(const FieldNode& node) {
+    return std::visit(
+        []<class Kind>(const Kind&) {
+          return requires(const Kind& k) {
+            { k.child } -> std::convertible_to<FieldPtr>;
+          };
+        },
+        node.kind);
+  }
+  static FieldPtr with_child(AnimatedKind kind, const FieldNode& like, FieldPtr child) {
+    std::visit(
+        [&](auto& k) {
+          if constexpr (requires { k.child = child; }) k.child = child;
+        },
+        kind);
+    return node_of(std::move(kind), like);
+  }
+
+  /// Two of one kind become one another; any other starts from where it does nothing, or ends there. Null where that cannot be.
+  FieldPtr warps(const FieldPtr& a, const FieldPtr& b, const Progress& s) {
+    if (is_warp(*a) && is_warp(*b))
+      if (const auto kind = mixed_kind(a->kind, b->kind, s)) return with_child(*kind, *a, build(children_of(*a)[0], children_of(*b)[0], s));
+    const bool takes_a = is_warp(*a);
+    const FieldPtr& warp = takes_a ? a : b;
+    const std::optional<AnimatedKind> neutral = neutral_warp(warp->kind);
+    if (!neutral) return nullptr;
+    const auto kind = takes_a ? mixed_kind(warp->kind, *neutral, s) : mixed_kind(*neutral, warp->kind, s);
+    if (!kind) return nullptr;
+    const FieldPtr below = children_of(*warp)[0];
+    return with_child(*kind, *warp, takes_a ? build(below, b, s) : build(a, below, s));
+  }
+
+  // --- operators ---
+
+  /// Whether a Boolean has the smooth formula.
+  static bool is_smooth(const AnimatedKind& kind) {
+    return std::visit(
+        [](const auto& k) {
+          if constexpr (requires { k.formula; }) return k.formula == BooleanFormula::smooth;
+          return false;
+        },
+        kind);
+  }
+
+  /// An operator that both sides have in common, and what stands in it on each side.
+  struct Common {
+    AnimatedKind kind;
+    std::vector<FieldPtr> from, to;
+  };
+
+  /// 1/n of a hyper-blend that an operator is.
+  static std::optional<Animated<float>> one_over_n(const FieldNode& node) {
+    if (std::holds_alternative<Blend<A>>(node.kind)) return Animated<float>(1.f);
+    if (const auto* hyper = std::get_if<HyperBlend<A>>(&node.kind)) return computed<float>([](float n) { return 1 / n; }, hyper->n);
+    const auto* united = std::get_if<Union<A>>(&node.kind);
+    if (united && united->formula == BooleanFormula::sharp) return Animated<float>(0.f);
+    return {};
+  }
+
+  static std::optional<Common> common(const FieldPtr& a, const FieldPtr& b, const Progress& s) {
+    const bool is_operator_a = !children_of(*a).empty() && !is_warp(*a), is_operator_b = !children_of(*b).empty() && !is_warp(*b);
+    if (is_operator_a && is_operator_b) {
+      if (const auto kind = mixed_kind(a->kind, b->kind, s)) return Common{*kind, children_of(*a), children_of(*b)};
+      const auto n_a = one_over_n(*a), n_b = one_over_n(*b);
+      if (n_a && n_b) {
+        static constexpr float k_union = 1e-6f; // as good as 0
+        const auto n = computed<float>([](float x, float y, float t) { return 1 / std::max(k_union, (1 - t) * x + t * y); }, *n_a, *n_b, s);
+        return Common{HyperBlend<A>{n, {}}, children_of(*a), children_of(*b)};
+      }
+    }
+    // One side stands alone in the operator of the other; what carves or joins locally is nearer to a lone part than a sum is.
+    const bool prefers_b = is_operator_b && one_over_n(*a) && !one_over_n(*b);
+    if (is_operator_a && !prefers_b && !std::holds_alternative<Intersection<A>>(a->kind)) return Common{a->kind, children_of(*a), {b}};
+    if (is_operator_b && !std::holds_alternative<Intersection<A>>(b->kind)) return Common{b->kind, {a}, children_of(*b)};
+    return {};
+  }
+
+  FieldPtr operators(const FieldPtr& a, const FieldPtr& b, const Progress& s) {
+    std::optional<Common> both = common(a, b, s);
+    if (!both || std::holds_alternative<Metamorphosis<A>>(both->kind)) return nullptr;
+    // Nothing is all of space, and a smooth Boolean with one operand more, even an empty one, is another field.
+    const bool needs_equals =
+        std::holds_alternative<Intersection<A>>(both->kind) || (std::holds_alternative<Difference<A>>(both->kind) && is_smooth(both->kind));
+    if (needs_equals && both->from.size() != both->to.size()) return nullptr;
+    FieldPtr region; // the last child of a local blend
+    if (std::holds_alternative<LocalBlend<A>>(both->kind)) {
+      const bool has_a = std::holds_alternative<LocalBlend<A>>(a->kind), has_b = std::holds_alternative<LocalBlend<A>>(b->kind);
+      const FieldPtr region_a = has_a ? both->from.back() : nullptr, region_b = has_b ? both->to.back() : nullptr;
+      if (has_a) both->from.pop_back();
+      if (has_b) both->to.pop_back();
+      region = has_a && has_b ? build(region_a, region_b, s) : has_a ? region_a : region_b;
+    }
+    const bool is_ordered = std::holds_alternative<Difference<A>>(both->kind);
+    std::vector<FieldPtr> children;
+    if (is_ordered) { // what is carved, and what carves
+      children.push_back(build(both->from.front(), both->to.front(), s));
+      both->from.erase(both->from.begin()), both->to.erase(both->to.begin());
+    }
+    join(children, *both, s);
+    set_children(both->kind, std::move(children), region);
+    FieldPtr out = node_of(std::move(both->kind), *a);
+    out->material = nullptr;
+    return out;
+  }
+
+  static void set_children(AnimatedKind& kind, std::vector<FieldPtr> children, const FieldPtr& region) {
+    std::visit(
+        [&](auto& k) {
+          if constexpr (requires { k.children = children; }) k.children = children;
+          if constexpr (requires { k.region = region; }) k.region = region;
+        },
+        kind);
+  }
+
+  std::vector<MatchedPart> parts_of(const std::vector<FieldPtr>& nodes) const {
+    std::vector<MatchedPart> parts;
+    for (const FieldPtr& node : nodes) parts.push_back({node.get(), box_of_tree(*node, frame_), leaf_count(*node)});
+    return parts;
+  }
+
+  std::vector<PartLink> forced(const std::vector<FieldPtr>& from, const std::vector<FieldPtr>& to) const {
+    std::vector<PartLink> links;
+    for (const NodePair<A>& pair : pairs_)
+      for (size_t i = 0; i < from.size(); ++i)
+        for (size_t j = 0; j < to.size(); ++j) {
+          const PartLink link{i, j};
+          if (has_below(*from[i], pair.from) && has_below(*to[j], pair.to) && std::find(links.begin(), links.end(), link) == links.end())
+            links.push_back(link);
+        }
+    return links;
+  }
+
+  void join(std::vector<FieldPtr>& children, const Common& both, const Progress& s) {
+    const std::vector<MatchedPart> from = parts_of(both.from), to = parts_of(both.to);
+    std::vector<PartLink> links = match_children(from, to, forced(both.from, both.to));
+    if (one_over_n(FieldNode{both.kind, {}, {}, {}})) divide(links, from, to);
+    const auto count = [&](auto side, size_t i) {
+      return std::count_if(links.begin(), links.end(), [&](const PartLink& l) { return l.*side == i; });
+    };
+    for (const PartLink& link : links)
+      children.push_back(build(share(both.from[link.from], count(&PartLink::from, link.from), both.kind),
+                               share(both.to[link.to], count(&PartLink::to, link.to), both.kind), s));
+    for (size_t i = 0; i < from.size(); ++i)
+      if (!count(&PartLink::from, i)) children.push_back(shrunk(both.from[i], anchor(from[i], from, links, &PartLink::from), s));
+    for (size_t j = 0; j < to.size(); ++j)
+      if (!count(&PartLink::to, j)) children.push_back(shrunk(both.to[j], anchor(to[j], to, links, &PartLink::to), rest_of(s)));
+  }
+
+  /// Whether the field of a tree is multiplied when the weights of its leaves are: nothing in it looks at the threshold.
+  static bool is_linear(const FieldNode& node) {
+    if (std::holds_alternative<Difference<A>>(node.kind) || is_smooth(node.kind)) return false;
+    const std::vector<FieldPtr> children = children_of(node);
+    return std::all_of(children.begin(), children.end(), [](const FieldPtr& c) { return is_linear(*c); });
+  }
+
+  /// Of one leaf several come, or several become one: where one side has fewer, a leaf without a counterpart shares that of the leaf like
+  /// it.
+  static void divide(std::vector<PartLink>& links, const std::vector<MatchedPart>& from, const std::vector<MatchedPart>& to) {
+    const auto can_be = [&](const PartLink& l) {
+      return from[l.from].leaves == 1 && to[l.to].leaves == 1 && !solids(*from[l.from].node, *to[l.to].node, 0.5f).empty();
+    };
+    Box3d around_from, around_to;
+    for (const MatchedPart& part : from) around_from.extend(part.box);
+    for (const MatchedPart& part : to) around_to.extend(part.box);
+    const std::vector<PartLink> whole = links;
+    const auto add = [&](size_t count, auto own) {
+      for (size_t i = 0; i < count; ++i) {
+        if (std::any_of(whole.begin(), whole.end(), [&](const PartLink& l) { return l.*own == i; })) continue;
+        std::optional<PartLink> best;
+        double least = std::numeric_limits<double>::infinity();
+        for (PartLink link : whole) {
+          link.*own = i;
+          const double difference = difference_of(from[link.from], to[link.to], around_from, around_to);
+          if (difference < least && can_be(link)) least = difference, best = link;
+        }
+        if (best) links.push_back(*best);
+      }
+    };
+    add(from.size(), &PartLink::from), add(to.size(), &PartLink::to);
+  }
+
+  /// A part that goes several ways: its copies together are what it was. In a hyper-blend n copies of weight w / n^(1/n') are one.
+  FieldPtr share(const FieldPtr& node, std::ptrdiff_t ways, const AnimatedKind& in) const {
+    if (ways < 2 || std::holds_alternative<Union<A>>(in) || std::holds_alternative<Difference<A>>(in)) return node;
+    const auto* hyper = std::get_if<HyperBlend<A>>(&in);
+    const auto part =
+        computed<float>([ways](float n) { return float(std::pow(double(ways), -1 / double(n))); }, hyper ? hyper->n : Animated<float>(1.f));
+    FieldPtr copy = is_linear(*node) ? weighted_tree(*node, part) : nullptr;
+    if (!copy) fail(fmt::format("\"{}\" cannot be divided: what it is made of cannot be weighted", node->name));
+    return copy;
+  }
+
+  /// Where a part without a counterpart comes from: the place in it that is nearest to the nearest part that has one.
+  template <class Member>
+  Vec3 anchor(const MatchedPart& part, const std::vector<MatchedPart>& all, const std::vector<PartLink>& links, Member side) const {
+    const Vec3d middle = part.box.centre();
+    Vec3d nearest = middle;
+    double least = std::numeric_limits<double>::infinity();
+    for (const PartLink& link : links) {
+      const Box3d& other = all[link.*side].box;
+      const Vec3d place = glm::clamp(other.centre(), part.box.lower, part.box.upper);
+      const double away = glm::distance(glm::clamp(middle, other.lower, other.upper), middle);
+      if (away < least) least = away, nearest = place;
+    }
+    return Vec3(nearest);
+  }
+
+  /// A part that is whole at s = 0 and gone at s = 1: it draws in to a place, and at last loses its weight.
+  static FieldPtr shrunk(const FieldPtr& node, const Vec3& to, const Progress& s) {
+    static constexpr float k_least = 0.02f, k_fading = 0.1f;
+    const auto size = computed<Vec3>([](float t) { return Vec3(std::max(k_least, 1 - t)); }, s);
+    const auto left = computed<float>([](float t) { return std::min(1.f, (1 - t) / k_fading); }, s);
+    const FieldPtr faded = weighted_tree(*node, left);
+    FieldPtr out = node_of(Scale<A>{size, to, faded ? faded : node}, *node);
+    out->material = nullptr;
+    return out;
+  }
+
+  /// What have nothing in common: the one goes while the other comes.
+  FieldPtr exchange(const FieldPtr& a, const FieldPtr& b, const Progress& s) const {
+    const Vec3 place_a(box_of_tree(*a, frame_).centre()), place_b(box_of_tree(*b, frame_).centre());
+    FieldPtr out = node_of(Union<A>{BooleanFormula::sharp, {shrunk(a, place_a, s), shrunk(b, place_b, rest_of(s))}}, *a);
+    out->material = nullptr;
+    return out;
+  }
+
+  const std::vector<NodePair<A>>& pairs_;
+  double frame_; ///< at which parts are compared
+  SourcePosition where_;
+  std::set<size_t> met_; ///< of pairs_
+};
+
+void collect_names(const FieldNode& node, std::vector<std::string_view>& names) {
+  if (!node.name.empty()) names.push_back(node.name);
+  for (const FieldPtr& child : children_of(node)) collect_names(*child, names);
+}
+
+void check_name(const std::string& name, const FieldNode& tree, std::string_view side, const SourcePosition& where) {
+  std::vector<std::string_view> names;
+  collect_names(tree, names);
+  const auto count = std::count(names.begin(), names.end(), name);
+  if (count == 1) return;
+  const std::string problem = count > 1       ? fmt::format("{} nodes are called \"{}\"", count, name)
+                              : names.empty() ? fmt::format("no node is called \"{}\", as none has a name", name)
+                                              : fmt::format("no node is called \"{}\"{}", name, suggestion(name, names));
+  throw Error(ExitStatus::bad_data, fmt::format("pairs: in `{}` {}", side, problem), where);
+}
+
+/// Half way through the morph.
+double middle_frame(const Progress& progress) {
+  const std::vector<double> frames = progress.frames();
+  return frames.empty() ? 1 : 0.5 * (frames.front() + frames.back());
+}
+
+} // namespace
+
+FieldPtr generic_tree(const Animorphosis<A>& kind, const TreePlace& place, const SourcePosition& where) {
+  const FieldPtr from = plain_tree(*kind.from, place), to = plain_tree(*kind.to, place);
+  for (const NodePair<A>& pair : kind.pairs) check_name(pair.from, *from, "from", where), check_name(pair.to, *to, "to", where);
+  Builder builder(kind.pairs, middle_frame(kind.progress), where);
+  FieldPtr tree = builder.build(from, to, kind.progress);
+  builder.check_pairs();
+  return tree;
+}
+
+} // namespace kelpie

@@ -1,0 +1,287 @@
+// Trees that become one another: exact at the ends, continuous between.
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "morph/tree/skeleton_graph.h"
+#include "renderer/program/evaluate.h"
+#include "tests/support/random_kind.h"
+#include "tests/support/scene_folder.h"
+
+namespace kelpie {
+namespace {
+
+/// Trees as scene files say them, the same in every run.
+class RandomTree {
+public:
+  explicit RandomTree(unsigned seed, bool moves) : r_(seed), moves_(moves) {}
+
+  std::string leaf() { return leaf(r_.below(k_leaf_kinds)); }
+  std::string leaf(int which) {
+    const std::string body = fmt::format(R"("radius":{:.3f},"weight":{:.3f},"falloff":"{}")", r_.uniform(0.4, 0.9), r_.uniform(1.2, 2.2),
+                                         std::array{"quartic", "cubic", "wyvill"}[size_t(r_.below(3))]);
+    return fmt::format("{{{},{}}}", solid(which), body);
+  }
+  std::string tree(int depth) {
+    if (depth == 0) return leaf();
+    switch (r_.below(10)) {
+    case 0: return fmt::format(R"({{"kind":"translate","by":{},"child":{}}})", vector(0.3), tree(depth - 1));
+    case 1: return fmt::format(R"({{"kind":"rotate","axis":{},"angle":{},"child":{}}})", vector(1), number(-60, 60), tree(depth - 1));
+    case 2: return fmt::format(R"({{"kind":"scale","by":{},"child":{}}})", number(0.7, 1.4), tree(depth - 1));
+    case 3: return fmt::format(R"({{"kind":"twist","rate":{},"child":{}}})", number(-40, 40), tree(depth - 1));
+    case 4: return fmt::format(R"({{"kind":"taper","by":{},"length":2,"child":{}}})", number(0.6, 1.3), tree(depth - 1));
+    case 5: return fmt::format(R"({{"kind":"hyper_blend","n":{},"children":[{}]}})", number(1, 6), children(depth));
+    case 6: return fmt::format(R"({{"kind":"local_blend","region":{},"children":[{}]}})", leaf(), children(depth));
+    case 7: return fmt::format(R"({{"kind":"difference","children":[{}]}})", children(depth));
+    case 8: return fmt::format(R"({{"kind":"union","children":[{}]}})", children(depth));
+    default: return fmt::format(R"({{"kind":"blend","children":[{}]}})", children(depth));
+    }
+  }
+
+  static constexpr int k_leaf_kinds = 17;
+
+private:
+  std::string number(double low, double high) {
+    const double a = r_.uniform(low, high), b = r_.uniform(low, high);
+    if (!moves_ || r_.below(3)) return fmt::format("{:.3f}", a);
+    return fmt::format(R"({{"keys":[[1,{:.3f}],[9,{:.3f}]],"interpolation":"smooth"}})", a, b);
+  }
+  std::string vector(double size) {
+    const auto place = [&] { return r_.in(Box3d{Vec3d(-size), Vec3d(size)}); };
+    const Vec3d a = place(), b = place();
+    if (!moves_ || r_.below(3)) return fmt::format("[{:.3f},{:.3f},{:.3f}]", a.x, a.y, a.z);
+    return fmt::format(R"({{"keys":[[1,[{:.3f},{:.3f},{:.3f}]],[9,[{:.3f},{:.3f},{:.3f}]]]}})", a.x, a.y, a.z, b.x, b.y, b.z);
+  }
+  std::string children(int depth) {
+    std::string list = tree(depth - 1);
+    for (int i = r_.below(3); i >= 0; --i) list += fmt::format(",{}", tree(depth - 1));
+    return list;
+  }
+  std::string points(int count) {
+    std::string list = vector(1);
+    for (int i = 1; i < count; ++i) list += fmt::format(",{}", vector(1));
+    return fmt::format("[{}]", list);
+  }
+  std::string solid(int which) {
+    const auto v = [&] { return vector(0.8); };
+    const auto size = [&] { return number(0.05, 0.6); };
+    switch (which) {
+    case 0: return fmt::format(R"("kind":"point","centre":{})", v());
+    case 1: return fmt::format(R"("kind":"segment","from":{},"to":{})", v(), v());
+    case 2: return fmt::format(R"("kind":"cone_sphere","from":{},"to":{},"from_radius":{},"to_radius":{})", v(), v(), size(), size());
+    case 3: return fmt::format(R"("kind":"disc","centre":{},"normal":{},"disc_radius":{})", v(), v(), size());
+    case 4:
+      return fmt::format(R"("kind":"torus","centre":{},"normal":{},"major_radius":{},"minor_radius":{})", v(), v(), size(), number(0, 0.1));
+    case 5: return fmt::format(R"("kind":"circle","centre":{},"normal":{},"circle_radius":{})", v(), v(), size());
+    case 6:
+      return fmt::format(R"("kind":"arc","centre":{},"normal":[0,1,0],"towards":[1,0,0.3],"arc_radius":{},"angle":{})", v(), size(),
+                         number(30, 200));
+    case 7: return fmt::format(R"("kind":"triangle","a":{},"b":{},"c":{})", v(), v(), v());
+    case 8:
+      return fmt::format(R"("kind":"rectangle","centre":{},"normal":[0,1,0.2],"across":[1,0,0],"width":{},"height":{})", v(), size(),
+                         size());
+    case 9:
+      return fmt::format(R"("kind":"box","centre":{},"size":[{},{},{}],"axis":[0.1,1,0],"across":[1,0,0.3])", v(), size(), size(), size());
+    case 10: return fmt::format(R"("kind":"cylinder","from":{},"to":{},"cylinder_radius":{})", v(), v(), size());
+    case 11: return fmt::format(R"("kind":"cone","from":{},"to":{},"from_radius":{},"to_radius":{})", v(), v(), size(), size());
+    case 12:
+      return fmt::format(
+          R"("kind":"hollow_cone","from":{},"to":{},"from_radius":{},"to_radius":{},"from_thickness":0.05,"to_thickness":0.1)", v(), v(),
+          size(), size());
+    case 13: return fmt::format(R"("kind":"tetrahedron","a":{},"b":{},"c":{},"d":{})", v(), v(), v(), v());
+    case 14: return fmt::format(R"("kind":"prism","a":{},"b":{},"c":{},"thickness":{})", v(), v(), v(), size());
+    case 15: return fmt::format(R"("kind":"polyhedron","points":{})", points(4 + r_.below(6)));
+    default:
+      return fmt::format(R"("kind":"generalized_cylinder","points":{},"radii":{},"detail":0.01)", points(2 + r_.below(3)),
+                         number(0.05, 0.2));
+    }
+  }
+
+  Random r_;
+  bool moves_;
+};
+
+std::string scene_with(const std::string& field) {
+  return fmt::format(R"({{"kelpie":1,"frames":{{"first":1,"last":9}},"shapes":[{{"name":"a","field":
+{}}}]}})",
+                     field);
+}
+std::string morph_of(const std::string& from, const std::string& to, std::string_view progress, std::string_view rest = "") {
+  return fmt::format("{{\"kind\":\"animorphosis\",\"from\":{},\"to\":{},\"progress\":{}{}}}", from, to, progress, rest);
+}
+
+/// The field of a scene at a frame, at many places.
+class Values {
+public:
+  explicit Values(int count) {
+    Random r(99);
+    for (int i = 0; i < count; ++i) places_.push_back(r.in(Box3d{Vec3d(-1.6), Vec3d(1.6)}));
+  }
+  std::vector<double> operator()(const Scene& scene, double frame) const {
+    const SampledShape shape = sample(scene, frame).shapes[0];
+    const FieldProgram program = compile(shape.field, shape.threshold);
+    std::vector<double> values;
+    // Deep inside fields may be cut off at twice the threshold, as differences do.
+    for (const Vec3d& p : places_) values.push_back(std::clamp(evaluate(program, program.code, Point3<double>{p.x, p.y, p.z}), 0.0, 2.0));
+    return values;
+  }
+
+private:
+  std::vector<Vec3d> places_;
+};
+
+double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double most = 0;
+  for (size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
+  return most;
+}
+
+/// At both ends the field is that of the end alone. Returns how far it is from both half way.
+double expect_exact_ends(const SceneFolder& folder, const std::string& from, const std::string& to, double frame, const Values& values) {
+  const Scene a = folder.read(scene_with(from)), b = folder.read(scene_with(to));
+  for (const auto& [progress, end] : {std::pair("0", &a), std::pair("1", &b)}) {
+    const Scene morph = folder.read(scene_with(morph_of(from, to, progress)));
+    EXPECT_LT(largest_difference(values(morph, frame), values(*end, frame)), 1e-5) << progress << "\n" << from << "\n" << to;
+  }
+  const std::vector<double> halfway = values(folder.read(scene_with(morph_of(from, to, "0.5"))), frame);
+  return std::min(largest_difference(halfway, values(a, frame)), largest_difference(halfway, values(b, frame)));
+}
+
+TEST(Animorphosis, OfAnyTwoSkeletonsIsExactAtBothEnds) {
+  const SceneFolder folder;
+  const Values values(200);
+  RandomTree random(7, true);
+  for (int i = 0; i < RandomTree::k_leaf_kinds; ++i)
+    for (int j = 0; j < RandomTree::k_leaf_kinds; ++j) expect_exact_ends(folder, random.leaf(i), random.leaf(j), 1 + (i + j) % 9, values);
+}
+
+TEST(Animorphosis, OfAnyTwoTreesIsExactAtBothEnds) {
+  const SceneFolder folder;
+  const Values values(300);
+  int changes = 0;
+  for (unsigned seed = 1; seed <= 120; ++seed) {
+    RandomTree random(seed, true);
+    const std::string from = random.tree(1 + int(seed % 3)), to = random.tree(1 + int(seed / 3 % 3));
+    changes += expect_exact_ends(folder, from, to, 1 + seed % 9, values) > 0.1;
+  }
+  EXPECT_GT(changes, 100);
+}
+
+/// Between the ends nothing jumps: no step is much larger than most, and half as large a step changes half as much.
+void expect_continuous(const SceneFolder& folder, const std::string& from, const std::string& to, const Values& values) {
+  const Scene morph = folder.read(scene_with(morph_of(from, to, R"j({"expression":"clamp(frame/1000,0,1)"})j")));
+  constexpr int k_steps = 250;
+  std::vector<double> before = values(morph, 0);
+  double sum = 0, most = 0, at = 0;
+  for (int i = 1; i <= k_steps; ++i) {
+    const double frame = 1000.0 * i / k_steps;
+    std::vector<double> now = values(morph, frame);
+    const double step = largest_difference(before, now);
+    sum += step;
+    if (step > most) most = step, at = frame;
+    before = std::move(now);
+  }
+  ASSERT_LT(most, 20 * sum / k_steps) << from << "\n" << to << "\nat " << at;
+  const double middle = at - 500.0 / k_steps, quarter = 250.0 / k_steps;
+  const double half = std::max(largest_difference(values(morph, middle - quarter), values(morph, middle)),
+                               largest_difference(values(morph, middle), values(morph, middle + quarter)));
+  ASSERT_LT(half, 0.8 * most) << "a jump at " << at << "\n" << from << "\n" << to;
+}
+
+TEST(Animorphosis, OfAnyTwoSkeletonsIsContinuous) {
+  const SceneFolder folder;
+  const Values values(150);
+  RandomTree random(8, false);
+  for (int i = 0; i < RandomTree::k_leaf_kinds; ++i)
+    for (int j = i % 2; j < RandomTree::k_leaf_kinds; j += 3) expect_continuous(folder, random.leaf(i), random.leaf(j), values);
+}
+
+TEST(Animorphosis, OfAnyTwoTreesIsContinuous) {
+  const SceneFolder folder;
+  const Values values(150);
+  for (unsigned seed = 200; seed < 230; ++seed) {
+    RandomTree random(seed, false);
+    const std::string from = random.tree(1 + int(seed % 2)), to = random.tree(1 + int(seed / 2 % 2));
+    expect_continuous(folder, from, to, values);
+  }
+}
+
+TEST(SkeletonGraph, HasAPathBetweenAnyTwoSkeletons) {
+  int paths = 0;
+  const auto visit_pairs = [&]<template <class> class From, template <class> class To>() {
+    using F = From<SampledMode>;
+    using T = To<SampledMode>;
+    constexpr auto is_soft = []<class K>() { return (SolidSkeleton<K> || BlobSource<K>)&&!HasAssets<K>; };
+    if constexpr (is_soft.template operator()<F>() && is_soft.template operator()<T>()) {
+      AnimatedKind from = From<AnimatedMode>{}, to = To<AnimatedMode>{};
+      for (AnimatedKind* kind : {&from, &to})
+        if (auto* hull = std::get_if<Polyhedron<AnimatedMode>>(kind)) hull->points.resize(5);
+      const auto path = skeleton_path(from, to);
+      ASSERT_TRUE(path) << F::k_name << " " << T::k_name;
+      for (const SkeletonPath::Stage& stage : path->stages) ASSERT_TRUE(mixed_kind(stage.from, stage.to, 0.5f));
+      EXPECT_EQ(path->stages.front().from.index() == from.index() || path->stages.size() == 1, true);
+      ++paths;
+    }
+  };
+  FieldFolderKinds::for_each([&]<template <class> class From>() {
+    FieldFolderKinds::for_each([&]<template <class> class To>() { visit_pairs.template operator()<From, To>(); });
+  });
+  EXPECT_EQ(paths, 16 * 16);
+  EXPECT_NE(skeleton_graph_dot().find("point -> segment"), std::string::npos);
+}
+
+TEST(Correspondence, GoesByPlaceAndByForcedPairs) {
+  const SceneFolder folder;
+  const auto ball = [](double x, std::string_view name = "") {
+    return fmt::format(R"({{"kind":"point","centre":[{},0,0],"radius":0.3{}}})", x,
+                       name.empty() ? "" : fmt::format(R"(,"name":"{}")", name));
+  };
+  const auto blend = [](const std::string& a, const std::string& b) {
+    return fmt::format(R"({{"kind":"blend","children":[{},{}]}})", a, b);
+  };
+  const auto value_at = [&](const std::string& text, double x) {
+    const SampledShape shape = sample(folder.read(scene_with(text)), 1).shapes[0];
+    const FieldProgram program = compile(shape.field, shape.threshold);
+    return evaluate(program, program.code, Point3<double>{x, 0, 0});
+  };
+  const std::string from = blend(ball(-2, "left"), ball(2, "right")), to = blend(ball(4, "far"), ball(-4, "near"));
+  const std::string natural = morph_of(from, to, "0.5");
+  EXPECT_NEAR(value_at(natural, -3), 2, 1e-6);
+  EXPECT_NEAR(value_at(natural, 3), 2, 1e-6);
+  const std::string crossed = morph_of(from, to, "0.5", R"(,"pairs":[{"from":"left","to":"far"}])");
+  EXPECT_NEAR(value_at(crossed, 1), 2, 1e-6);
+  EXPECT_NEAR(value_at(crossed, -1), 2, 1e-6);
+  // One that goes two ways is half of itself on each.
+  const std::string divided = morph_of(ball(0, "one"), to, "0.25");
+  EXPECT_NEAR(value_at(morph_of(blend(ball(0, "one"), ball(9, "other")), to, "0",
+                                R"(,"pairs":[{"from":"one","to":"far"},{"from":"one","to":"near"}])"),
+                       0),
+              2, 1e-6);
+  EXPECT_GT(value_at(divided, -1) + value_at(divided, 1), 1);
+  // Each pair in its own time.
+  const std::string staggered = morph_of(from, to, "0.5", R"(,"pairs":[{"from":"left","to":"near","progress":0}])");
+  EXPECT_NEAR(value_at(staggered, -2), 2, 1e-6);
+  EXPECT_NEAR(value_at(staggered, 3), 2, 1e-6);
+}
+
+TEST(Animorphosis, RefusesWhatCannotCorrespond) {
+  const SceneFolder folder;
+  const std::string from = R"({"kind":"blend","children":[{"kind":"point","name":"head","centre":[0,0,0],"radius":1},
+    {"kind":"translate","name":"leg","by":[1,0,0],"child":{"kind":"point","name":"foot","centre":[0,0,0],"radius":1}}]})";
+  const std::string to = R"({"kind":"blend","children":[{"kind":"point","name":"skull","centre":[0,0,0],"radius":1},
+    {"kind":"point","name":"twin","centre":[0,0,0],"radius":1},{"kind":"point","name":"twin","centre":[1,0,0],"radius":1}]})";
+  const auto errors = [&](std::string_view pairs) {
+    return folder.errors(scene_with(morph_of(from, to, "0.5", fmt::format(",\"pairs\":[{}]", pairs))));
+  };
+  EXPECT_EQ(errors(R"({"from":"head","to":"skull"})"), "");
+  EXPECT_EQ(errors(R"({"from":"haed","to":"skull"})"),
+            "scene.json:2:1: pairs: in `from` no node is called \"haed\" (did you mean \"head\"?)");
+  EXPECT_EQ(errors(R"({"from":"head","to":"twin"})"), "scene.json:2:1: pairs: in `to` 2 nodes are called \"twin\"");
+  EXPECT_EQ(folder.errors(scene_with(
+                morph_of(from, R"({"kind":"point","centre":[0,0,0],"radius":1})", "0.5", R"(,"pairs":[{"from":"head","to":"x"}])"))),
+            "scene.json:2:1: pairs: in `to` no node is called \"x\", as none has a name");
+  EXPECT_EQ(folder.errors(scene_with(morph_of(from, to, "1.5"))).substr(0, 12), "scene.json:4");
+}
+
+} // namespace
+} // namespace kelpie
