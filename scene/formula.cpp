@@ -36,8 +36,8 @@ std::span<const float> components(const Colour& c) { return components(c.rgb); }
 
 std::vector<double> Formula::breaks(double from, double to) const {
   constexpr int k_steps = 64;
-  constexpr float k_bend = 0.25f; // of the largest step: a smooth wave as long as the stretch has a tenth of it
-  constexpr float k_leap = 8;     // times the steps beside it
+  constexpr float k_bend = 0.5f; // of the largest step: a smooth wave has that only if a dozen of them are in the stretch
+  constexpr float k_leap = 8;    // times the steps beside it
   const auto frame_of = [&](int i) { return from + (to - from) * i / k_steps; };
   constexpr float k_rounding = 1e-5f; // of the value: less than this is no step
   std::array<float, k_steps> steps{};

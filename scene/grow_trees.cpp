@@ -18,6 +18,7 @@ public:
   /// All trees below a node, from the innermost one.
   void grow(FieldNode& node, TreePlace place) {
     if (!seen_.insert(&node).second) return;
+    if (node.material) place.material = node.material;
     TreePlace below = place;
     below.is_below_blend |= joins_by_value(node.kind);
     const auto follow = [&]<class Edge>(Edge& edge, const ParameterRules&) {
@@ -53,7 +54,7 @@ void grow_trees(const std::vector<ReadTreeMaker>& makers, Scene& scene, ProblemL
   Grower grower(makers, problems);
   for (const Shape& shape : scene.shapes)
     for (const FieldPtr& tree : {shape.field, shape.texture})
-      if (tree) grower.grow(*tree, {shape.threshold, false});
+      if (tree) grower.grow(*tree, {shape.threshold, false, shape.surface});
 }
 
 } // namespace kelpie

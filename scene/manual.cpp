@@ -168,8 +168,9 @@ std::string page_text(const Preset& preset) {
 std::vector<Page> all_pages() {
   std::vector<Page> pages;
   for_each_group([&]<class Group>(const Group& group) {
-    if constexpr (std::is_same_v<Group, KindGroup<FieldKinds>>)
-      FieldKinds::for_each([&]<template <class> class Kind>() { pages.push_back(page_of<Kind<AnimatedMode>>(field_group<Kind>(), true)); });
+    if constexpr (std::is_same_v<Group, KindGroup<SceneFieldKinds>>)
+      SceneFieldKinds::for_each(
+          [&]<template <class> class Kind>() { pages.push_back(page_of<Kind<AnimatedMode>>(field_group<Kind>(), true)); });
     else if constexpr (std::is_same_v<Group, KindGroup<MaterialKinds>>)
       MaterialKinds::for_each(
           [&]<template <class> class Kind>() { pages.push_back(page_of<Kind<AnimatedMode>>(material_group<Kind>(), true)); });

@@ -123,7 +123,7 @@ public:
   void add_curve(const Animated<T>& curve, const TimeMap& time = {}) {
     if (curve.is_constant()) return;
     is_any_ = true;
-    const auto [from, to] = std::minmax(time.at(from_), time.at(to_));
+    const double from = time.at(from_), to = time.at(to_); // scales are positive
     for (const double frame : curve.breaks(from, to)) breaks_.insert(std::clamp(time.frame_of(frame), from_, to_));
   }
 

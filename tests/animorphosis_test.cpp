@@ -151,8 +151,11 @@ TEST(Animorphosis, OfAnyTwoSkeletonsIsExactAtBothEnds) {
   const SceneFolder folder;
   const Values values(200);
   RandomTree random(7, true);
+  int changes = 0;
   for (int i = 0; i < RandomTree::k_leaf_kinds; ++i)
-    for (int j = 0; j < RandomTree::k_leaf_kinds; ++j) expect_exact_ends(folder, random.leaf(i), random.leaf(j), 1 + (i + j) % 9, values);
+    for (int j = 0; j < RandomTree::k_leaf_kinds; ++j)
+      changes += expect_exact_ends(folder, random.leaf(i), random.leaf(j), 1 + (i + j) % 9, values) > 0.1;
+  EXPECT_GT(changes, RandomTree::k_leaf_kinds * RandomTree::k_leaf_kinds * 9 / 10) << "what does not change is exact for nothing";
 }
 
 TEST(Animorphosis, OfAnyTwoTreesIsExactAtBothEnds) {
@@ -262,6 +265,71 @@ TEST(Correspondence, GoesByPlaceAndByForcedPairs) {
   const std::string staggered = morph_of(from, to, "0.5", R"(,"pairs":[{"from":"left","to":"near","progress":0}])");
   EXPECT_NEAR(value_at(staggered, -2), 2, 1e-6);
   EXPECT_NEAR(value_at(staggered, 3), 2, 1e-6);
+}
+
+TEST(Animorphosis, MaterialsOfOneKindMixTheirNumbersAndOthersDissolve) {
+  const SceneFolder folder;
+  const auto ball = [](std::string_view material) {
+    return fmt::format(R"({{"kind":"point","centre":[0,0,0],"radius":1,"material":{}}})", material);
+  };
+  const auto material_of = [&](std::string_view from, std::string_view to) {
+    const FrameScene frame = sample(folder.read(scene_with(morph_of(ball(from), ball(to), "0.25"))), 1);
+    const SampledField& field = frame.shapes[0].field;
+    EXPECT_EQ(field.nodes.size(), 1u) << "no leaf is there twice for its material";
+    return std::pair(frame.materials[field.materials.at(0).index], frame.materials);
+  };
+  const std::string_view red = R"({"kind":"matte","colour":[1,0,0]})", blue = R"({"kind":"matte","colour":[0,0,1]})";
+  EXPECT_EQ(std::get<Matte<SampledMode>>(material_of(red, blue).first).colour.rgb, Vec3(0.75f, 0, 0.25f));
+  const auto [marble, of_marble] =
+      material_of(R"({"kind":"marble","size":1,"stops":[{"at":0,"material":{"kind":"matte","colour":[1,1,1]}}]})",
+                  R"({"kind":"marble","size":3,"stops":[{"at":1,"material":{"kind":"matte","colour":[0,0,0]}}]})");
+  EXPECT_FLOAT_EQ(std::get<Marble<SampledMode>>(marble).size, 1.5f);
+  EXPECT_FLOAT_EQ(std::get<Marble<SampledMode>>(marble).stops[0].at, 0.25f);
+  const MaterialIndex stop = std::get<Marble<SampledMode>>(marble).stops[0].material;
+  EXPECT_EQ(std::get<Matte<SampledMode>>(of_marble[stop.index]).colour.rgb, Vec3(0.75f));
+  const auto [other, of_other] = material_of(red, "\"gold\"");
+  const auto& everywhere = std::get<Gradient<SampledMode>>(other);
+  std::array<float, 2> shares{};
+  everywhere.shares(Vec3(3, -2, 7), Footprint{}, shares);
+  EXPECT_NEAR(shares[0], 0.75f, 1e-5f);
+  EXPECT_NEAR(shares[1], 0.25f, 1e-5f);
+}
+
+/// Where both are patterns of different kinds the second one grows: at s it has the share s of space, nothing of it at 0, all at 1.
+TEST(Animorphosis, OnePatternGrowsThroughTheOther) {
+  const SceneFolder folder;
+  const auto share_at = [&](std::string_view from, std::string_view to, double progress) {
+    const auto ball = [](std::string_view material) {
+      return fmt::format(R"({{"kind":"point","centre":[0,0,0],"radius":1,"material":"{}"}})", material);
+    };
+    const FrameScene frame = sample(folder.read(scene_with(morph_of(ball(from), ball(to), fmt::format("{}", progress)))), 1);
+    const auto& material = frame.materials[frame.shapes[0].field.materials.at(0).index];
+    return std::visit(
+        []<class Kind>(const Kind& kind) {
+          double sum = 0;
+          if constexpr (Pattern<Kind>) {
+            EXPECT_EQ(kind.stops.size(), 2u);
+            Random r(5);
+            std::array<float, 2> shares{};
+            for (int i = 0; i < 4000; ++i) {
+              kind.shares(Vec3(r.in(Box3d{Vec3d(-20), Vec3d(20)})), Footprint{}, shares);
+              sum += double(shares[1]) / 4000;
+            }
+          } else {
+            ADD_FAILURE() << Kind::k_name;
+          }
+          return sum;
+        },
+        material);
+  };
+  for (const auto& [from, to] :
+       {std::pair("marble", "wood"), std::pair("stone", "leather"), std::pair("gold", "granite"), std::pair("rust", "gold")}) {
+    EXPECT_LT(share_at(from, to, 1e-6), 1e-3) << from << " " << to;
+    EXPECT_GT(share_at(from, to, 1 - 1e-6), 1 - 1e-3) << from << " " << to;
+    EXPECT_NEAR(share_at(from, to, 0.5), 0.5, 0.1) << from << " " << to;
+    // Where a pattern has one value over much of space, that comes at once.
+    for (const double s : {0.25, 0.75}) EXPECT_NEAR(share_at(from, to, s), s, 0.2) << from << " " << to;
+  }
 }
 
 TEST(Animorphosis, RefusesWhatCannotCorrespond) {

@@ -124,15 +124,11 @@ TEST(Formulas, ThatDoNotMoveAreConstants) {
 }
 
 TEST(Formulas, LiveInTheTimeOfTheirNode) {
-  const Scene scene = SceneFolder().read(R"({"kelpie":1,"frames":{"first":10,"last":20},
-    "parts":{"p":{"kind":"point","centre":[0,0,0],"radius":{"expression":"1 + abs(frame)"
-}
-}
-}
-, "shapes" : [ {"name" : "a", "field" : {"kind" : "instance", "of" : "p", "time_offset" : 4, "time_scale" : 2}} ]
-})");
+  const Scene scene = SceneFolder().read(R"j({"kelpie":1,"frames":{"first":10,"last":20},
+    "parts":{"p":{"kind":"point","centre":[0,0,0],"radius":{"expression":"1 + abs(frame)"}}},
+    "shapes":[{"name":"a","field":{"kind":"instance","of":"p","time_offset":4,"time_scale":2}}]})j");
   EXPECT_EQ(radius_at(scene, 10), 13);
-EXPECT_EQ(radius_at(scene, 10.5), 14);
+  EXPECT_EQ(radius_at(scene, 10.5), 14);
 }
 
 TEST(Variables, AreNumbersCurvesAndFormulasInAnyOrder) {
@@ -157,7 +153,7 @@ TEST(Formulas, AreRefusedWhereTheyCannotBeUsed) {
   const auto errors = [&](const std::string& text, const std::string& variables = "") {
     return folder.errors(scene_of(formula(text), variables));
   };
-  const auto in_field = [](std::string_view what) { return fmt::format("scene.json:2:62: {}", what); };
+  const auto in_field = [](std::string_view what) { return fmt::format("scene.json:2:57: {}", what); };
   EXPECT_EQ(errors("fram + 1"), in_field("expression: unknown name \"fram\" (did you mean \"frame\"?)"));
   EXPECT_EQ(errors("sin + 1"), in_field("expression: unknown name \"sin\"; known: frame, pi"));
   EXPECT_EQ(errors("speed"), in_field("expression: unknown name \"speed\"; known: frame, pi"));
@@ -166,7 +162,7 @@ TEST(Formulas, AreRefusedWhereTheyCannotBeUsed) {
   EXPECT_EQ(errors("1/(frame-1)"), in_field("radius: the expression has no value at frame 1"));
   EXPECT_EQ(errors("sqrt(6 - frame)").substr(0, 70), in_field("radius must be > 0: the expression is 0 at frame 6").substr(0, 70));
   EXPECT_EQ(folder.errors(scene_of(R"({"expression":3})")), in_field("expression: expected a string, found a number"));
-  EXPECT_EQ(folder.errors(scene_of(R"({"expression":"1","frames":2})")), "scene.json:2:66: unknown key \"frames\"; known: expression");
+  EXPECT_EQ(folder.errors(scene_of(R"({"expression":"1","frames":2})")), "scene.json:2:61: unknown key \"frames\"; known: expression");
   EXPECT_EQ(folder.errors(scene_of("1"), {{R"(shapes.a.field.centre={"expression":"1"})"}, {}}),
             "--set shapes.a.field.centre={\"expression\":\"1\"}: centre: an expression is one number; give one for each component");
   EXPECT_EQ(folder.errors(scene_of("1"), {{R"(shapes.a.field.centre=[0,{"expression":"1"}])"}, {}}),

@@ -308,7 +308,7 @@ TEST(Include, RefusesWhatIsNoLibrary) {
   EXPECT_EQ(errors("{\"kelpie\":1," + drop + "}"), "");
   EXPECT_EQ(errors("{" + drop + "}"), "lib.json:1:1: missing key \"kelpie\" of library");
   EXPECT_EQ(errors("{\"kelpie\":1,\"shapes\":[]," + drop + "}"),
-            "lib.json:1:13: unknown key \"shapes\"; known: kelpie, $schema, units, include, materials, parts, recipes");
+            "lib.json:1:13: unknown key \"shapes\"; known: kelpie, $schema, units, include, variables, materials, parts, recipes");
   EXPECT_EQ(errors("{\"kelpie\":1,\"units\":0.01," + drop + "}"), "lib.json:1:21: units are 0.01 here, but 1 in the scene");
   EXPECT_EQ(errors("{\"kelpie\":1,\"units\":0.01," + drop + "}", "\"units\":0.01,"), "");
   EXPECT_EQ(errors("{\"kelpie\":1,\"materials\":7," + drop + "}"), "lib.json:1:25: materials: expected an object, found a number");

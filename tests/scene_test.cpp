@@ -17,7 +17,7 @@ void expect_errors(std::span<const WrongInput> cases, const std::string& before,
 }
 
 TEST(Reader, RefusesWrongFields) {
-  const std::string known = fmt::format("{}", fmt::join(kind_names<FieldKinds>(), ", "));
+  const std::string known = fmt::format("{}", fmt::join(kind_names<SceneFieldKinds>(), ", "));
   const std::string unknown_kind = "scene.json:2:9: unknown kind of field \"lattice\"; known: " + known,
                     missing_kind = "scene.json:2:1: field: missing key \"kind\"; known: " + known;
   const WrongInput cases[] = {
@@ -42,7 +42,7 @@ TEST(Reader, RefusesWrongFields) {
       {R"([])", "scene.json:2:1: field: expected a field (an object with a \"kind\"), found a list"},
       {R"({"kind":"point","centre":[0,0,0],"radius":1,"raduis":1})", "scene.json:2:45: unknown key \"raduis\" (did you mean \"radius\"?)"},
       {R"({"kind":"point","centre":[0,0,0],"radius":1,"colour":1})",
-       "scene.json:2:45: unknown key \"colour\"; known: kind, material, centre, radius, surface_radius, weight, falloff"},
+       "scene.json:2:45: unknown key \"colour\"; known: kind, material, name, centre, radius, surface_radius, weight, falloff"},
       {R"({"kind":"point"})",
        "scene.json:2:1: missing key \"centre\" of point\nscene.json:2:1: missing key \"radius\" or \"surface_radius\" of point"},
       {R"({"kind":"point","centre":[0,0,0],"radius":"1"})", "scene.json:2:43: radius: expected a number, found a string"},
@@ -94,8 +94,8 @@ TEST(Reader, RefusesWrongCurves) {
        "scene.json:2:33: interpolation: unknown value \"bezier\"; known: linear, step, hermite, smooth, spline"},
       {R"({"keys":[[1,1]],"after":"repeat"})",
        "scene.json:2:25: after: unknown value \"repeat\"; known: hold, cycle, cycle_offset, ping_pong, continue"},
-      {R"({"keys":[[1,0.1],[2,5],[3,0.1],[4,5]],"interpolation":"spline"})",
-       "scene.json:2:1: threshold must be > 0: the curve leaves that between its keys, at frame 2.875"},
+      {R"({"keys":[[1,5],[2,0.1],[3,0.1],[4,5]],"interpolation":"spline"})",
+       "scene.json:2:1: threshold must be > 0: the curve leaves that between its keys, at frame 2.125"},
       {R"({"keys":[[1,1]],"interpolate":"step"})", "scene.json:2:17: unknown key \"interpolate\" (did you mean \"interpolation\"?)"},
       {R"({"interpolation":"step"})", "scene.json:2:1: threshold: missing key \"keys\""},
       {R"({})", "scene.json:2:1: threshold: missing key \"keys\""},

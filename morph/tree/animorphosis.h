@@ -5,6 +5,15 @@
 
 namespace kelpie {
 
+/// How a material becomes another that is not of its kind: one grows through the other along the features of a pattern, or all of it fades.
+enum class MaterialChange { grow, dissolve };
+
+template <>
+struct EnumNames<MaterialChange> {
+  static constexpr std::array<std::pair<std::string_view, MaterialChange>, 2> values{
+      {{"grow", MaterialChange::grow}, {"dissolve", MaterialChange::dissolve}}};
+};
+
 /// Two nodes that correspond, by their names.
 template <class Mode>
 struct NodePair {
@@ -40,11 +49,13 @@ one gets its counterpart in the other, by place, size, kind and name; `pairs` fo
 Skeletons of different kinds become one another through a simpler or a richer one that both can be: a cylinder becomes a box through a segment or
 a point. A part without a counterpart grows out of its neighbour, or back into it. Blends, hyper-blends and unions become one another
 by the n of a hyper-blend; warps start from where they do nothing. What can be matched in no way shrinks away while the
-other grows. Materials that differ are mixed. Source: Barbier, Galin, Akkouche, animorphosis; methods.md section 2.)";
+other grows. Materials of one kind mix their numbers, so veins stay veins; of others one grows through the other along the features of the
+pattern that it is, or that it grows through; two plain surfaces fade. Source: Barbier, Galin, Akkouche, animorphosis; methods.md section 2.)";
 
   typename Mode::Child from{}, to{};
   Value<Mode, float> progress{0.f};
   std::vector<NodePair<Mode>> pairs;
+  MaterialChange materials = MaterialChange::grow;
 
   static constexpr auto parameters() {
     using A = Animorphosis;
@@ -53,6 +64,8 @@ other grows. Materials that differ are mixed. Source: Barbier, Galin, Akkouche, 
         parameter("to", &A::to, "the field at the end").required(),
         parameter("progress", &A::progress, "how far it has come").at_least(0).at_most(1).required(),
         parameter("pairs", &A::pairs, "nodes that correspond, whatever their places"),
+        parameter("materials", &A::materials,
+                  "how a material becomes one of another kind. grow: along the features of a pattern; dissolve: all of it fades"),
     };
   }
 };

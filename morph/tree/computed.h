@@ -82,6 +82,11 @@ Animated<T> middle(const Animated<T>& a, const Animated<T>& b) {
   return mixed<T>(a, b, 0.5f);
 }
 
+/// Of one end, how much of it is left: 1 - s.
+inline Animated<float> rest_of(const Animated<float>& s) {
+  return computed<float>([](float t) { return 1 - t; }, s);
+}
+
 /// From one direction to another about the axis perpendicular to both; their lengths do not matter, nor which axis it is if they are
 /// opposite.
 Animated<Vec3> turned(const Animated<Vec3>& a, const Animated<Vec3>& b, const Animated<float>& s);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -9,43 +10,44 @@
 #include "base/suggest.h"
 #include "morph/tree/computed.h"
 #include "morph/tree/correspondence.h"
+#include "morph/tree/leaf_between.h"
+#include "morph/tree/mix_materials.h"
 #include "morph/tree/neutral.h"
-#include "morph/tree/skeleton_graph.h"
 
 namespace kelpie {
 
 namespace {
 
 using A = AnimatedMode;
-using Progress = Animated<float>;
+
+/// How far a part has come, and which of the pairs says so: 0 is the whole, i is pair i - 1. Of the same number the progress is the same.
+struct Progress {
+  Animated<float> s;
+  size_t of_pair = 0;
+};
 
 FieldPtr node_of(AnimatedKind kind, const FieldNode& like) {
   return std::make_shared<FieldNode>(FieldNode{std::move(kind), like.where, like.material, like.name});
 }
 
-/// Of one end, how much of it is left: 1 - s.
-Progress rest_of(const Progress& s) {
-  return computed<float>([](float t) { return 1 - t; }, s);
-}
-
 class Builder {
 public:
-  Builder(const std::vector<NodePair<A>>& pairs, double frame, const SourcePosition& where) : pairs_(pairs), frame_(frame), where_(where) {}
+  /// Parts are compared as they are at `frame`; what has no material is made of `material`.
+  Builder(const Animorphosis<A>& kind, double frame, const MaterialPtr& material, const SourcePosition& where)
+      : kind_(kind), pairs_(kind.pairs), frame_(frame), material_(material), where_(where) {}
 
   /// a at s = 0, b at s = 1.
-  FieldPtr build(const FieldPtr& a, const FieldPtr& b, Progress s) {
+  FieldPtr build(const FieldPtr& a, const FieldPtr& b, Progress progress) {
     for (size_t i = 0; i < pairs_.size(); ++i)
       if (is_called(*a, pairs_[i].from) && is_called(*b, pairs_[i].to)) {
         met_.insert(i);
-        if (pairs_[i].progress) s = *pairs_[i].progress;
+        if (pairs_[i].progress) progress = {*pairs_[i].progress, i + 1};
       }
-    const bool is_leaf_a = children_of(*a).empty(), is_leaf_b = children_of(*b).empty();
-    if (a->material != b->material && !(is_leaf_a && is_leaf_b))
-      if (FieldPtr out = twice(a, b, s)) return out;
-    FieldPtr out = is_leaf_a && is_leaf_b ? leaves(*a, *b, s) : nullptr;
-    if (!out && (is_warp(*a) || is_warp(*b))) out = warps(a, b, s);
-    if (!out && !(is_leaf_a && is_leaf_b)) out = operators(a, b, s);
-    return out ? out : exchange(a, b, s);
+    const bool are_leaves = children_of(*a).empty() && children_of(*b).empty();
+    FieldPtr out = are_leaves                   ? leaf_between(*a, *b, progress.s, material_between(*a, *b, progress))
+                   : is_warp(*a) || is_warp(*b) ? warps(a, b, progress)
+                                                : operators(a, b, progress);
+    return out ? out : exchange(a, b, progress.s);
   }
 
   void check_pairs() const {
@@ -64,85 +66,15 @@ private:
     return is_called(node, name) || std::any_of(children.begin(), children.end(), [&](const FieldPtr& c) { return has_below(*c, name); });
   }
 
-  // --- leaves ---
+  // --- materials ---
 
-  /// What two skeletons have in common: one or two kinds that change, each with how much of it is there.
-  static std::vector<AnimatedKind> solids(const FieldNode& a, const FieldNode& b, const Progress& s) {
-    AnimatedKind from = a.kind, to = b.kind;
-    make_comparable(from, to);
-    if (const auto one = mixed_kind(from, to, s)) return {*one};
-    const std::optional<SkeletonPath> path = skeleton_path(a.kind, b.kind);
-    if (!path) return {};
-    if (path->stages.size() == 1) return {*mixed_kind(path->stages[0].from, path->stages[0].to, s)};
-    const Progress first = computed<float>([](float t) { return std::min(1.f, 2 * t); }, s);
-    const Progress second = computed<float>([](float t) { return std::max(0.f, 2 * t - 1); }, s);
-    const auto is_first = computed<float>([](float t) { return t < 0.5f ? 1.f : 0.f; }, s);
-    return {weighted(*mixed_kind(path->stages[0].from, path->stages[0].to, first), is_first),
-            weighted(*mixed_kind(path->stages[1].from, path->stages[1].to, second), rest_of(is_first))};
-  }
-
-  static AnimatedKind weighted(AnimatedKind kind, const Animated<float>& factor) {
-    const FieldPtr node = weighted_tree(FieldNode{std::move(kind), {}, {}, {}}, factor);
-    return node ? node->kind : AnimatedKind{};
-  }
-
-  /// Null where they have nothing in common.
-  static FieldPtr leaves(const FieldNode& a, const FieldNode& b, const Progress& s) {
-    const std::vector<AnimatedKind> kinds = solids(a, b, s);
-    if (kinds.empty()) return nullptr;
-    std::vector<FieldPtr> nodes;
-    const bool is_one_matter = a.material == b.material && falloff_of(a.kind) == falloff_of(b.kind);
-    for (const AnimatedKind& kind : kinds) {
-      if (is_one_matter) {
-        nodes.push_back(node_of(kind, a));
-        continue;
-      }
-      // The same solid twice, each with the falloff and the material of one end: their sum goes from the one to the other.
-      for (const auto& [end, part] : {std::pair(&a, rest_of(s)), std::pair(&b, s)}) {
-        AnimatedKind own = weighted(kind, part);
-        set_falloff(own, falloff_of(end->kind));
-        nodes.push_back(node_of(std::move(own), *end));
-      }
-    }
-    if (nodes.size() == 1) return nodes.front();
-    FieldPtr sum = node_of(Blend<A>{std::move(nodes)}, a);
-    sum->material = nullptr;
-    return sum;
-  }
-
-  static std::optional<Falloff> falloff_of(const AnimatedKind& kind) {
-    return std::visit(
-        []<class Kind>(const Kind& k) -> std::optional<Falloff> {
-          if constexpr (requires { k.falloff; })
-            if constexpr (std::is_same_v<decltype(Kind::falloff), Falloff>) return k.falloff;
-          return {};
-        },
-        kind);
-  }
-  static void set_falloff(AnimatedKind& kind, const std::optional<Falloff>& falloff) {
-    std::visit(
-        [&]<class Kind>(Kind& k) {
-          if constexpr (requires { k.falloff = Falloff::quartic; })
-            if (falloff) k.falloff = *falloff;
-        },
-        kind);
-  }
-
-  /// What has two patterns, each in its own space: all of it with the one, and all of it with the other, in sum. Null where the sum would
-  /// be another field.
-  FieldPtr twice(const FieldPtr& a, const FieldPtr& b, const Progress& s) {
-    if (!is_linear(*a) || !is_linear(*b)) return nullptr;
-    std::vector<FieldPtr> ends;
-    for (const auto& [material, part] : {std::pair(a->material, rest_of(s)), std::pair(b->material, s)}) {
-      const auto from = std::make_shared<FieldNode>(*a), to = std::make_shared<FieldNode>(*b);
-      from->material = to->material = material;
-      FieldPtr end = weighted_tree(*build(from, to, s), part);
-      if (!end) return nullptr;
-      ends.push_back(std::move(end));
-    }
-    FieldPtr sum = node_of(Blend<A>{std::move(ends)}, *a);
-    sum->material = nullptr;
-    return sum;
+  /// Of a node that was made of two: each once, however many nodes have it. None where neither has one.
+  MaterialPtr material_between(const FieldNode& a, const FieldNode& b, const Progress& progress) {
+    if (a.material == b.material) return a.material;
+    const MaterialPtr &from = a.material ? a.material : material_, &to = b.material ? b.material : material_;
+    MaterialPtr& mixed = materials_[{from.get(), to.get(), progress.of_pair}];
+    if (!mixed) mixed = mixed_material(from, to, progress.s, kind_.materials, frame_);
+    return mixed;
   }
 
   // --- warps ---
@@ -166,17 +98,30 @@ private:
   }
 
   /// Two of one kind become one another; any other starts from where it does nothing, or ends there. Null where that cannot be.
-  FieldPtr warps(const FieldPtr& a, const FieldPtr& b, const Progress& s) {
+  FieldPtr warps(const FieldPtr& a, const FieldPtr& b, const Progress& progress) {
     if (is_warp(*a) && is_warp(*b))
-      if (const auto kind = mixed_kind(a->kind, b->kind, s)) return with_child(*kind, *a, build(children_of(*a)[0], children_of(*b)[0], s));
+      if (const auto kind = mixed_kind(a->kind, b->kind, progress.s))
+        return above(*kind, *a, *b, build(children_of(*a)[0], children_of(*b)[0], progress), progress);
     const bool takes_a = is_warp(*a);
     const FieldPtr& warp = takes_a ? a : b;
     const std::optional<AnimatedKind> neutral = neutral_warp(warp->kind);
-    if (!neutral) return nullptr;
-    const auto kind = takes_a ? mixed_kind(warp->kind, *neutral, s) : mixed_kind(*neutral, warp->kind, s);
+    const auto kind = !neutral  ? std::nullopt
+                      : takes_a ? mixed_kind(warp->kind, *neutral, progress.s)
+                                : mixed_kind(*neutral, warp->kind, progress.s);
     if (!kind) return nullptr;
+    FieldPtr other = takes_a ? b : a; // below the warp, where what it is made of is said by the warp, if that says so
+    if (warp->material) other = std::make_shared<FieldNode>(FieldNode{other->kind, other->where, nullptr, other->name});
     const FieldPtr below = children_of(*warp)[0];
-    return with_child(*kind, *warp, takes_a ? build(below, b, s) : build(a, below, s));
+    FieldPtr child = takes_a ? build(below, other, progress) : build(other, below, progress);
+    if (!warp->material) return above(*kind, *warp, *warp, std::move(child), progress);
+    return above(*kind, *a, *b, std::move(child), progress);
+  }
+
+  /// A warp that was made of two nodes, of which one may be no warp.
+  FieldPtr above(const AnimatedKind& warp, const FieldNode& a, const FieldNode& b, FieldPtr child, const Progress& progress) {
+    FieldPtr out = with_child(warp, a, std::move(child));
+    out->material = material_between(a, b, progress);
+    return out;
   }
 
   // --- operators ---
@@ -206,7 +151,7 @@ private:
     return {};
   }
 
-  static std::optional<Common> common(const FieldPtr& a, const FieldPtr& b, const Progress& s) {
+  static std::optional<Common> common(const FieldPtr& a, const FieldPtr& b, const Animated<float>& s) {
     const bool is_operator_a = !children_of(*a).empty() && !is_warp(*a), is_operator_b = !children_of(*b).empty() && !is_warp(*b);
     if (is_operator_a && is_operator_b) {
       if (const auto kind = mixed_kind(a->kind, b->kind, s)) return Common{*kind, children_of(*a), children_of(*b)};
@@ -224,8 +169,8 @@ private:
     return {};
   }
 
-  FieldPtr operators(const FieldPtr& a, const FieldPtr& b, const Progress& s) {
-    std::optional<Common> both = common(a, b, s);
+  FieldPtr operators(const FieldPtr& a, const FieldPtr& b, const Progress& progress) {
+    std::optional<Common> both = common(a, b, progress.s);
     if (!both || std::holds_alternative<Metamorphosis<A>>(both->kind)) return nullptr;
     // Nothing is all of space, and a smooth Boolean with one operand more, even an empty one, is another field.
     const bool needs_equals =
@@ -237,15 +182,15 @@ private:
       const FieldPtr region_a = has_a ? both->from.back() : nullptr, region_b = has_b ? both->to.back() : nullptr;
       if (has_a) both->from.pop_back();
       if (has_b) both->to.pop_back();
-      region = has_a && has_b ? build(region_a, region_b, s) : has_a ? region_a : region_b;
+      region = has_a && has_b ? build(region_a, region_b, progress) : has_a ? region_a : region_b;
     }
     const bool is_ordered = std::holds_alternative<Difference<A>>(both->kind);
     std::vector<FieldPtr> children;
     if (is_ordered) { // what is carved, and what carves
-      children.push_back(build(both->from.front(), both->to.front(), s));
+      children.push_back(build(both->from.front(), both->to.front(), progress));
       both->from.erase(both->from.begin()), both->to.erase(both->to.begin());
     }
-    join(children, *both, s);
+    join(children, *both, progress);
     set_children(both->kind, std::move(children), region);
     FieldPtr out = node_of(std::move(both->kind), *a);
     out->material = nullptr;
@@ -279,7 +224,7 @@ private:
     return links;
   }
 
-  void join(std::vector<FieldPtr>& children, const Common& both, const Progress& s) {
+  void join(std::vector<FieldPtr>& children, const Common& both, const Progress& progress) {
     const std::vector<MatchedPart> from = parts_of(both.from), to = parts_of(both.to);
     std::vector<PartLink> links = match_children(from, to, forced(both.from, both.to));
     if (one_over_n(FieldNode{both.kind, {}, {}, {}})) divide(links, from, to);
@@ -288,11 +233,11 @@ private:
     };
     for (const PartLink& link : links)
       children.push_back(build(share(both.from[link.from], count(&PartLink::from, link.from), both.kind),
-                               share(both.to[link.to], count(&PartLink::to, link.to), both.kind), s));
+                               share(both.to[link.to], count(&PartLink::to, link.to), both.kind), progress));
     for (size_t i = 0; i < from.size(); ++i)
-      if (!count(&PartLink::from, i)) children.push_back(shrunk(both.from[i], anchor(from[i], from, links, &PartLink::from), s));
+      if (!count(&PartLink::from, i)) children.push_back(shrunk(both.from[i], anchor(from[i], from, links, &PartLink::from), progress.s));
     for (size_t j = 0; j < to.size(); ++j)
-      if (!count(&PartLink::to, j)) children.push_back(shrunk(both.to[j], anchor(to[j], to, links, &PartLink::to), rest_of(s)));
+      if (!count(&PartLink::to, j)) children.push_back(shrunk(both.to[j], anchor(to[j], to, links, &PartLink::to), rest_of(progress.s)));
   }
 
   /// Whether the field of a tree is multiplied when the weights of its leaves are: nothing in it looks at the threshold.
@@ -306,7 +251,7 @@ private:
   /// it.
   static void divide(std::vector<PartLink>& links, const std::vector<MatchedPart>& from, const std::vector<MatchedPart>& to) {
     const auto can_be = [&](const PartLink& l) {
-      return from[l.from].leaves == 1 && to[l.to].leaves == 1 && !solids(*from[l.from].node, *to[l.to].node, 0.5f).empty();
+      return from[l.from].leaves == 1 && to[l.to].leaves == 1 && !common_solids(from[l.from].node->kind, to[l.to].node->kind, 0.5f).empty();
     };
     Box3d around_from, around_to;
     for (const MatchedPart& part : from) around_from.extend(part.box);
@@ -355,7 +300,7 @@ private:
   }
 
   /// A part that is whole at s = 0 and gone at s = 1: it draws in to a place, and at last loses its weight.
-  static FieldPtr shrunk(const FieldPtr& node, const Vec3& to, const Progress& s) {
+  static FieldPtr shrunk(const FieldPtr& node, const Vec3& to, const Animated<float>& s) {
     static constexpr float k_least = 0.02f, k_fading = 0.1f;
     const auto size = computed<Vec3>([](float t) { return Vec3(std::max(k_least, 1 - t)); }, s);
     const auto left = computed<float>([](float t) { return std::min(1.f, (1 - t) / k_fading); }, s);
@@ -366,16 +311,19 @@ private:
   }
 
   /// What have nothing in common: the one goes while the other comes.
-  FieldPtr exchange(const FieldPtr& a, const FieldPtr& b, const Progress& s) const {
+  FieldPtr exchange(const FieldPtr& a, const FieldPtr& b, const Animated<float>& s) const {
     const Vec3 place_a(box_of_tree(*a, frame_).centre()), place_b(box_of_tree(*b, frame_).centre());
     FieldPtr out = node_of(Union<A>{BooleanFormula::sharp, {shrunk(a, place_a, s), shrunk(b, place_b, rest_of(s))}}, *a);
     out->material = nullptr;
     return out;
   }
 
+  const Animorphosis<A>& kind_;
   const std::vector<NodePair<A>>& pairs_;
-  double frame_; ///< at which parts are compared
+  double frame_;
+  MaterialPtr material_;
   SourcePosition where_;
+  std::map<std::tuple<const MaterialNode*, const MaterialNode*, size_t>, MaterialPtr> materials_;
   std::set<size_t> met_; ///< of pairs_
 };
 
@@ -396,7 +344,7 @@ void check_name(const std::string& name, const FieldNode& tree, std::string_view
 }
 
 /// Half way through the morph.
-double middle_frame(const Progress& progress) {
+double middle_frame(const Animated<float>& progress) {
   const std::vector<double> frames = progress.frames();
   return frames.empty() ? 1 : 0.5 * (frames.front() + frames.back());
 }
@@ -406,8 +354,8 @@ double middle_frame(const Progress& progress) {
 FieldPtr generic_tree(const Animorphosis<A>& kind, const TreePlace& place, const SourcePosition& where) {
   const FieldPtr from = plain_tree(*kind.from, place), to = plain_tree(*kind.to, place);
   for (const NodePair<A>& pair : kind.pairs) check_name(pair.from, *from, "from", where), check_name(pair.to, *to, "to", where);
-  Builder builder(kind.pairs, middle_frame(kind.progress), where);
-  FieldPtr tree = builder.build(from, to, kind.progress);
+  Builder builder(kind, middle_frame(kind.progress), place.material, where);
+  FieldPtr tree = builder.build(from, to, {kind.progress});
   builder.check_pairs();
   return tree;
 }

@@ -5,15 +5,54 @@
 
 #include "base/time_map.h"
 #include "morph/field_node.h"
+#include "morph/tree/computed.h"
 
 namespace kelpie {
+
+namespace detail {
+template <class T>
+constexpr bool k_is_edge = IsEdge<T> || IsMaterialEdge<T>;
+template <class T>
+constexpr bool k_is_edge<std::vector<T>> = IsEdge<T>;
+
+/// Whether lists are as long in both, and what may be left out is there in both or in none.
+template <class Kind>
+bool have_one_form(const Kind& a, const Kind& b) {
+  bool is_one = true;
+  const auto row = [&]<class T>(const T& x, const T& y) {
+    if constexpr (IsList<T> && !k_is_edge<T>) is_one &= x.size() == y.size();
+    if constexpr (IsOptional<T>) is_one &= x.has_value() == y.has_value();
+  };
+  std::apply([&](const auto&... r) { (row(a.*(r.member), b.*(r.member)), ...); }, k_table<Kind>);
+  return is_one;
+}
+} // namespace detail
+
+/// Mixes every number of a record that may move into those of `a`: a at s = 0, b at s = 1; directions turn. Children and materials stay
+/// those of a, and so does its falloff. False where the two differ in anything else: a file, the length of a list, how a curve is made.
+template <class Kind>
+bool mix_numbers(Kind& a, const Kind& b, const Animated<float>& s) {
+  if (!detail::have_one_form(a, b)) return false;
+  bool is_good = true;
+  const auto one = [&]<class T>(const ParameterRules& rules, T& x, const T& y) {
+    if constexpr (std::is_same_v<T, Animated<Vec3>>)
+      x = rules.is_nonzero ? turned(x, y, s) : mixed<Vec3>(x, y, s);
+    else if constexpr (IsAnimated<T>)
+      x = mixed<typename AnimatedTrait<T>::Value>(x, y, s);
+    else if constexpr (std::is_same_v<T, PartReference>)
+      is_good = false; // nobody mixes instances
+    else if constexpr (!detail::k_is_edge<T> && !std::is_same_v<T, Falloff>)
+      is_good &= x == y;
+  };
+  for_each_value(one, a, b);
+  if constexpr (HasAssets<Kind>) std::apply([&](const auto... member) { is_good &= (... && (a.*member == b.*member)); }, Kind::assets());
+  return is_good;
+}
 
 /// A node without its place in a tree.
 using AnimatedKind = FieldKinds::Variant<AnimatedMode>;
 
-/// Every number of it mixed: a at s = 0, b at s = 1; directions turn. Its children are those of a. None where the two are of different
-/// kinds, or differ in anything that is no number that moves (a file, the length of a list, how a curve is made); falloffs may
-/// differ, that of a is taken.
+/// Two nodes of one kind by mix_numbers(); none where that cannot be.
 std::optional<AnimatedKind> mixed_kind(const AnimatedKind& a, const AnimatedKind& b, const Animated<float>& s);
 
 /// Gives two nodes of one kind lists of equal lengths, where that changes neither: corners of hulls are repeated, one radius for all

@@ -10,8 +10,9 @@ bool joins_by_value(const FieldKinds::Variant<AnimatedMode>& kind);
 
 /// Where a tree stands.
 struct TreePlace {
-  Animated<float> threshold{1.f}; ///< of its shape
-  bool is_below_blend = false;    ///< then Booleans are smooth unless they say otherwise
+  Animated<float> threshold{1.f};  ///< of its shape
+  bool is_below_blend = false;     ///< then Booleans are smooth unless they say otherwise
+  AnimatedMode::Material material; ///< of what has none of its own; not null
 };
 
 /// A copy of a tree without references, in one time: instances are affine warps above copies of their parts, numbers are retimed, Booleans
