@@ -20,7 +20,8 @@ struct NoDistance {
 /// Whether a curve is 1 at all times.
 bool is_one(const Animated<float>& curve) {
   const std::vector<double> frames = curve.frames();
-  return curve.at(0) == 1 && std::all_of(frames.begin(), frames.end(), [&](double frame) { return curve.at(frame) == 1; });
+  if (frames.empty()) return curve.at(0) == 1;
+  return std::all_of(frames.begin(), frames.end(), [&](double frame) { return curve.at(frame) == 1; });
 }
 
 template <class Kind>

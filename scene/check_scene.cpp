@@ -42,9 +42,10 @@ void check_frames(const Frames& frames, const Document& document, ProblemList& p
 }
 
 void check_camera(const Camera<AnimatedMode>& camera, const Document& document, ProblemList& problems) {
-  std::set<double> frames{0};
+  std::set<double> frames;
   for (const Animated<Vec3>* curve : {&camera.position, &camera.look_at, &camera.up})
     for (const double frame : curve->frames()) frames.insert(frame);
+  if (frames.empty()) frames.insert(0);
   const SourcePosition where = place(document, "camera", {"look_at", "position", "up"});
   for (const double frame : frames) {
     const Vec3d view = Vec3d(camera.look_at.at(frame)) - Vec3d(camera.position.at(frame)), up(camera.up.at(frame));

@@ -1,13 +1,21 @@
 #include "scene/grow_trees.h"
 
+#include <algorithm>
 #include <map>
-#include <set>
+
+#include <fmt/format.h>
 
 #include "morph/tree/generic_tree.h"
 
 namespace kelpie {
 
 namespace {
+
+size_t node_count(const FieldNode& root) {
+  size_t count = 1;
+  for (const FieldPtr& child : children_of(root)) count += node_count(*child);
+  return count;
+}
 
 class Grower {
 public:
@@ -16,27 +24,46 @@ public:
   }
 
   /// All trees below a node, from the innermost one.
-  void grow(FieldNode& node, TreePlace place) {
-    if (!seen_.insert(&node).second) return;
+  void grow(FieldNode& node, const TreePlace& place) { depth_of(node, place); }
+
+private:
+  /// How many makers stand in one another below it, this one included. Each asks the one below it for twice as many values.
+  static constexpr int k_most_deep = 6;
+  /// Of all trees together.
+  static constexpr size_t k_most_nodes = 1'000'000;
+
+  int depth_of(FieldNode& node, TreePlace place) {
+    const auto [known, is_new] = depths_.try_emplace(&node, 0);
+    if (!is_new) return known->second;
+    int deepest = 0;
     if (node.material) place.material = node.material;
     TreePlace below = place;
     below.is_below_blend |= joins_by_value(node.kind);
     const auto follow = [&]<class Edge>(Edge& edge, const ParameterRules&) {
+      FieldNode* child;
       if constexpr (std::is_same_v<Edge, PartReference>)
-        grow(*edge.target, below);
+        child = edge.target.get();
       else
-        grow(*edge, below);
+        child = edge.get();
+      deepest = std::max(deepest, depth_of(*child, below));
     };
     std::visit([&](auto& kind) { for_each_edge(kind, follow); }, node.kind);
-    if (const auto maker = makers_.find(&node); maker != makers_.end()) replace(node, maker->second->kind, place);
+    if (const auto maker = makers_.find(&node); maker != makers_.end()) {
+      if (++deepest > k_most_deep)
+        problems_.add(node.where, fmt::format("more than {} animorphoses in one another", k_most_deep));
+      else if (count_ <= k_most_nodes)
+        replace(node, maker->second->kind, place);
+    }
+    return depths_[&node] = deepest;
   }
 
-private:
   void replace(FieldNode& node, const Animorphosis<AnimatedMode>& kind, const TreePlace& place) {
     try {
       const FieldPtr tree = generic_tree(kind, place, node.where);
       node.kind = tree->kind;
       if (tree->material) node.material = tree->material;
+      if ((count_ += node_count(*tree)) > k_most_nodes)
+        problems_.add(node.where, fmt::format("the trees of all animorphoses have more than {} nodes", k_most_nodes));
     } catch (const Error& e) {
       problems_.add(e, node.where);
     }
@@ -44,7 +71,8 @@ private:
 
   ProblemList& problems_;
   std::map<const FieldNode*, const ReadTreeMaker*> makers_;
-  std::set<const FieldNode*> seen_;
+  std::map<const FieldNode*, int> depths_;
+  size_t count_ = 0;
 };
 
 } // namespace

@@ -57,7 +57,7 @@ private:
 
   void load(SdfMesh<AnimatedMode>& k, const SourcePosition&) {
     if (k.file.resolved.empty()) return;
-    double reach = k.radius.at(0); // at any time
+    double reach = k.radius.is_constant() ? double(k.radius.at(0)) : 0; // at any time
     for (const double frame : k.radius.frames()) reach = std::max(reach, double(k.radius.at(frame)));
     const MeshSampling how{k.voxel, reach, k.weld, k.crease};
     const auto [entry, is_new] = grids_.try_emplace({k.file.resolved, how});

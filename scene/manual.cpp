@@ -109,7 +109,7 @@ Each key is [frame, value]; frames ascend and need not be whole. `interpolation`
     hermite    derivatives per frame follow the value, as in [1, 0, 0.5]; up to 4 of them
 `before` the first key and `after` the last:
     hold           the value stays (the default)
-    cycle          begins again; where the last value is the first, `smooth` and `spline` close the loop without a corner
+    cycle          begins again, every (last - first) frames; where the last value is the first, `smooth` and `spline` close the loop without a corner
     cycle_offset   begins again from where it has come to: steps of a walk
     ping_pong      back and forth
     continue       straight on
@@ -123,13 +123,16 @@ constexpr std::string_view k_expression_doc = R"doc(A number that follows a form
 
 It may stand for any number that may be animated, and for any component of a vector or colour. `frame` is the frame in the time of the
 node: within an instance it is shifted and scaled like keys are, and moments between frames have fractions. Other names are the
-scene's `variables`, which are constants, keys or expressions themselves, and which `--set variables.height=2` changes.
+scene's `variables`, which are constants, keys or expressions themselves, and which `--set variables.height=2` changes:
+
+    "variables": { "height": 2, "beat": { "expression": "sin(2*pi*frame/24)" } }
+
     + - * / ^    < > <= >= == != && ||    a ? b : c    ( )    pi
     sin cos tan asin acos atan atan2(y, x) sinh cosh tanh exp ln log10 log2 sqrt pow(a, b) abs sign
     floor ceil round fract mod(a, b) min max clamp(v, low, high) mix(a, b, t) smoothstep(from, to, v)
     noise(v)     smooth and random, about one swing a unit: mean 0, mostly within -2 to 2, the same at each run
-Angles are radians. A formula is checked at up to 100 moments of the scene's frames when it is read, and whenever it is asked for: where
-it has no value, or one that its parameter may not have, that is an error.)doc";
+Angles are radians; -a^2 is -(a^2). When a scene is read, a formula is tried at up to 100 moments of its frames. A fault between these, where it
+has no value or one that its parameter may not have, is an error of the frame that asks for it (`kelpie check -f 505` tries one).)doc";
 
 constexpr std::string_view k_material_doc = R"(What things are made of: a surface, or a pattern that ranges over materials.
 

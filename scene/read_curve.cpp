@@ -10,6 +10,8 @@ namespace {
 constexpr std::string_view k_key_form = "[frame, value] or [frame, value, derivative, …]";
 /// A curve of a higher degree than 2 * 5 - 1 swings more than it helps.
 constexpr size_t k_most_derivatives = 4;
+/// Of two keys, in frames: what repeats more often cannot be counted.
+constexpr double k_least_step = 1e-6;
 
 /// Far beyond any film, and differences of frames stay finite.
 ParameterRules frame_rules() {
@@ -98,6 +100,8 @@ bool ValueReader::read_curve(Animated<T>& out, const JsonValue& v, const Paramet
     const bool is_good_key = read_key(keys[i], key, how, rules);
     if (is_good_key && previous && !(keys[i].frame > previous->frame))
       is_good = fail(key, fmt::format("keys must ascend: frame {} follows frame {}", keys[i].frame, previous->frame));
+    else if (is_good_key && previous && keys[i].frame - previous->frame < k_least_step)
+      is_good = fail(key, fmt::format("two keys are less than {} of a frame apart", k_least_step));
     is_good &= is_good_key;
     previous = is_good_key ? &keys[i] : nullptr;
   }

@@ -12,6 +12,9 @@ constexpr std::array<std::string_view, 1> k_keys{"expression"};
 constexpr ParameterRules k_variable{"variables", {}};
 /// Variables that are made of variables that are …
 constexpr size_t k_most_deep = 64;
+/// What one value may ask for, of all its variables and theirs.
+constexpr double k_most_values = 2000;
+constexpr size_t k_most_variables = 10'000;
 } // namespace
 
 std::vector<double> ValueReader::frames_to_check() const {
@@ -51,34 +54,68 @@ template bool ValueReader::use_checked(Animated<Vec3>&, std::shared_ptr<const Ti
 template bool ValueReader::use_checked(Animated<Colour>&, std::shared_ptr<const TimeFunction<Colour>>, std::string_view, const JsonValue&,
                                        const ParameterRules&);
 
+/// "a -> b -> a": from the variable of that name, which is being read, to the one that asks for it again.
+std::string ValueReader::chain_of_variables(const std::string& name) const {
+  std::string chain;
+  for (auto i = std::find(variables_being_read_.begin(), variables_being_read_.end(), name); i != variables_being_read_.end(); ++i)
+    chain += *i + " -> ";
+  return chain + name;
+}
+
 const Animated<float>* ValueReader::variable(const std::string& name, const JsonValue& v) {
   const auto [at, is_new] = variables_.try_emplace(&v);
   Variable& variable = at->second; // stays where it is, whatever else is read meanwhile
   if (!is_new) {
-    if (variable.is_being_read) fail(v, fmt::format("variable {} depends on itself", in_quotes(name)));
+    if (variable.is_being_read) fail(v, fmt::format("variable {} depends on itself: {}", in_quotes(name), chain_of_variables(name)));
     return variable.is_good ? &variable.value : nullptr;
   }
-  const auto depth = std::count_if(variables_.begin(), variables_.end(), [](const auto& entry) { return entry.second.is_being_read; });
+  variables_being_read_.push_back(name);
+  cost_ = 1;
   if (const std::string problem = problem_of_variable_name(name); !problem.empty())
     fail(v, fmt::format("{} {}", in_quotes(name), problem));
-  else if (size_t(depth) > k_most_deep)
+  else if (variables_being_read_.size() > k_most_deep)
     fail(v, fmt::format("more than {} variables that depend on one another", k_most_deep));
   else
     variable.is_good = read(variable.value, v, k_variable);
-  variable.is_being_read = false;
+  variable.is_being_read = false, variable.cost = cost_;
+  variables_being_read_.pop_back();
   return variable.is_good ? &variable.value : nullptr;
 }
 
-/// The one that an expression names.
-const Animated<float>* ValueReader::named_variable(const std::string& name, const JsonValue& expression) {
+/// The one that an expression names; null where it cannot be used, which has been reported.
+const ValueReader::Variable* ValueReader::named_variable(const std::string& name, const JsonValue& expression) {
   std::vector<std::string_view> known{"frame", "pi"};
-  if (const JsonValue* variables = document_.root.find("variables"); variables && variables->object())
+  const JsonValue* variables = document_.root.find("variables");
+  if (variables && variables->object() && variables->object()->size() > k_most_variables) {
+    fail(expression, fmt::format("expression: more than {} variables", k_most_variables));
+    return nullptr;
+  }
+  if (variables && variables->object())
     for (const JsonMember& m : *variables->object()) {
-      if (m.key == name) return variable(name, m.value);
+      if (m.key == name) {
+        const bool is_good = variable(name, m.value);
+        Variable& found = variables_.at(&m.value);
+        found.is_used = true;
+        return is_good ? &found : nullptr;
+      }
       known.push_back(m.key);
     }
   if (document_.is_complete) fail(expression, fmt::format("expression: unknown name {}{}", in_quotes(name), suggestion(name, known)));
   return nullptr;
+}
+
+void ValueReader::warn_of_unused_variables(Diagnostics& diagnostics) const {
+  const JsonValue* variables = document_.root.find("variables");
+  if (!variables || !variables->object()) return;
+  std::vector<std::string_view> others;
+  for (const JsonMember& m : *variables->object())
+    if (const auto found = variables_.find(&m.value); found != variables_.end() && found->second.is_used) others.push_back(m.key);
+  for (const JsonMember& m : *variables->object()) {
+    const auto found = variables_.find(&m.value);
+    if (!document_.sources.at(m.key_at.source).is_command_line || (found != variables_.end() && found->second.is_used)) continue;
+    const std::string hint = others.empty() ? ", nor any other" : suggestion(m.key, others);
+    diagnostics.warning(document_.where(m.key_at), fmt::format("no expression uses the variable {}{}", in_quotes(m.key), hint));
+  }
 }
 
 bool ValueReader::read_formula(Animated<float>& out, const JsonValue& v, const ParameterRules& rules) {
@@ -87,12 +124,18 @@ bool ValueReader::read_formula(Animated<float>& out, const JsonValue& v, const P
   try {
     Expression expression(*text.string());
     bool is_good = true;
+    double cost = 1;
     for (const std::string& name : expression.names()) {
-      const Animated<float>* value = named_variable(name, text);
-      if (value) expression.bind(name, *value);
-      is_good &= value != nullptr;
+      const Variable* variable = named_variable(name, text);
+      is_good &= variable != nullptr;
+      if (!variable) continue;
+      expression.bind(name, variable->value);
+      if (!variable->value.is_constant()) cost += variable->cost;
     }
     if (!is_good) return false;
+    if (cost > k_most_values)
+      return fail(text, fmt::format("expression: it asks for more than {} values, by its variables", k_most_values));
+    cost_ = cost;
     const bool is_constant = expression.is_constant();
     const auto formula = std::make_shared<Formula>(std::move(expression), frames_to_check());
     if (!use_checked<float>(out, formula, "expression", text, rules)) return false;

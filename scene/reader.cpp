@@ -81,10 +81,14 @@ Scene read_scene(const std::string& path, const ReadOptions& options, Diagnostic
   if (problems.is_empty()) check_scene(scene, document, problems), check_distances(scene, problems);
   check_axes(reader.nodes(), document, problems);
   load_assets(reader, scene, options.use_cache, problems, diagnostics);
-  if (problems.is_empty()) grow_trees(reader.tree_makers(), scene, problems);
+  if (problems.is_empty() && !reader.tree_makers().empty()) {
+    grow_trees(reader.tree_makers(), scene, problems);
+    check_distances(scene, problems);
+  }
   if (problems.is_empty()) check_size(scene, problems);
   problems.throw_if_any();
   warn_of_folds(reader.nodes(), document, diagnostics);
+  reader.warn_of_unused_variables(diagnostics);
 
   // A picture is never black because nobody thought of light.
   if (scene.lights.empty()) scene.lights.push_back(EnvironmentLight<AnimatedMode>{});

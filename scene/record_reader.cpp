@@ -74,9 +74,10 @@ bool RecordReader::complete_stops(Kind& kind, const JsonValue& v) {
       for (const PlainStop& plain : Kind::k_default_stops) kind.stops.push_back(stop_of(plain, kind.size.at(0)));
       return true;
     }
-    std::set<double> frames{0};
+    std::set<double> frames;
     for (const Stop<AnimatedMode>& stop : kind.stops)
       for (const double frame : stop.at.frames()) frames.insert(frame);
+    if (frames.empty()) frames.insert(0);
     const auto are_in_order = [&](double frame) {
       return std::is_sorted(kind.stops.begin(), kind.stops.end(),
                             [&](const auto& a, const auto& b) { return a.at.at(frame) < b.at.at(frame); });

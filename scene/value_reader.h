@@ -67,6 +67,9 @@ public:
     return fail(v, fmt::format("{}: expected {}, found {}", name, expected, describe(v)));
   }
 
+  /// Warns of variables that the command line says and no expression asks for.
+  void warn_of_unused_variables(Diagnostics&) const;
+
   /// Files that were named so far.
   const AssetFiles& asset_files() const { return asset_files_; }
   /// Where a file that was resolved is named first.
@@ -105,8 +108,10 @@ private:
   /// Reports every key of an object but the known ones.
   bool check_only(const JsonValue& object, std::span<const std::string_view> known);
 
+  struct Variable;
   bool read_formula(Animated<float>& out, const JsonValue&, const ParameterRules&);
-  const Animated<float>* named_variable(const std::string& name, const JsonValue& expression);
+  const Variable* named_variable(const std::string& name, const JsonValue& expression);
+  std::string chain_of_variables(const std::string& name) const;
   /// The moments for which a formula is checked before anything is made of it.
   std::vector<double> frames_to_check() const;
 
@@ -124,10 +129,13 @@ private:
   std::map<std::string, SourcePosition> named_at_; ///< by resolved path
 
   struct Variable {
-    bool is_being_read = true, is_good = false;
+    bool is_being_read = true, is_good = false, is_used = false;
+    double cost = 1; ///< values that are asked for when it is
     Animated<float> value{};
   };
   std::map<const JsonValue*, Variable> variables_; ///< those that were asked for
+  std::vector<std::string> variables_being_read_;  ///< each for the one before it
+  double cost_ = 1;                                ///< of the formula that was read last
 };
 
 extern template bool ValueReader::read_curve(Animated<float>&, const JsonValue&, const ParameterRules&);

@@ -139,6 +139,18 @@ TEST(Variables, AreNumbersCurvesAndFormulasInAnyOrder) {
   EXPECT_FLOAT_EQ(radius_at(folder.read(scene_of(formula("late")), {{R"(variables.late={"expression":"frame+1"})"}, {}}), 2), 3);
 }
 
+TEST(Variables, OfTheCommandLineThatNothingAsksForAreSaid) {
+  const SceneFolder folder;
+  folder.write("scene.json", scene_of(formula("height"), R"({"height":2,"unused":3})"));
+  const auto warnings = [&](const std::string& set) {
+    Diagnostics diagnostics;
+    read_scene(folder.path("scene.json"), {{set}, {}}, diagnostics);
+    return diagnostics.warnings().empty() ? "" : diagnostics.warnings()[0].message;
+  };
+  EXPECT_EQ(warnings("variables.height=3"), "");
+  EXPECT_EQ(warnings("variables.hieght=3"), "no expression uses the variable \"hieght\" (did you mean \"height\"?)");
+}
+
 TEST(Variables, ComeFromLibraries) {
   const SceneFolder folder;
   folder.write("lib.json", R"({"kelpie":1,"variables":{"size":4},
@@ -172,8 +184,9 @@ TEST(Formulas, AreRefusedWhereTheyCannotBeUsed) {
 TEST(Variables, AreRefusedWhereTheyCannotBeUsed) {
   const SceneFolder folder;
   const auto errors = [&](const std::string& variables) { return folder.errors(scene_of(formula("1"), variables)); };
-  EXPECT_EQ(errors(R"({"a":{"expression":"a"}})"), "scene.json:2:6: variable \"a\" depends on itself");
-  EXPECT_EQ(errors(R"({"a":{"expression":"b"},"b":{"expression":"2*a"}})"), "scene.json:2:6: variable \"a\" depends on itself");
+  EXPECT_EQ(errors(R"({"a":{"expression":"a"}})"), "scene.json:2:6: variable \"a\" depends on itself: a -> a");
+  EXPECT_EQ(errors(R"({"c":{"expression":"a"},"a":{"expression":"b"},"b":{"expression":"2*a"}})"),
+            "scene.json:2:29: variable \"a\" depends on itself: a -> b -> a");
   EXPECT_EQ(errors(R"({"frame":1})"), "scene.json:2:10: \"frame\" is the frame, in every expression");
   EXPECT_EQ(errors(R"({"sin":1})"), "scene.json:2:8: \"sin\" is known to expressions already");
   EXPECT_EQ(errors(R"({"pi":3})"), "scene.json:2:7: \"pi\" is known to expressions already");
@@ -182,6 +195,10 @@ TEST(Variables, AreRefusedWhereTheyCannotBeUsed) {
   std::string chain = R"({"v0":1)";
   for (int i = 1; i <= 100; ++i) chain += fmt::format(R"(,"v{}":{{"expression":"v{}"}})", i, i - 1);
   EXPECT_EQ(errors(chain + "}"), "") << "read from the first on, each depends on one that is known";
+  // Each asks for twice as many values as the one before.
+  chain = R"({"v0":{"expression":"frame"},"v1":{"expression":"frame"})";
+  for (int i = 2; i <= 40; ++i) chain += fmt::format(R"(,"v{}":{{"expression":"v{} + v{}"}})", i, i - 1, i - 2);
+  EXPECT_NE(errors(chain + "}").find("expression: it asks for more than 2000 values, by its variables"), std::string::npos);
   chain = R"({"v100":1)";
   for (int i = 99; i >= 0; --i) chain = fmt::format(R"({{"v{}":{{"expression":"v{}"}},)", i, i + 1) + chain.substr(1);
   EXPECT_NE(errors(chain + "}").find("more than 64 variables that depend on one another"), std::string::npos);

@@ -217,9 +217,10 @@ std::optional<std::string> problem_of_rotations(const AnimatedObjects& objects, 
 }
 
 std::optional<std::string> problem_of_frames(const AnimatedObjects& objects, const AnimatedFeature& feature) {
-  std::set<double> frames{0};
+  std::set<double> frames;
   for (const auto& object : objects)
     if (const auto* element = object.element(feature.name)) add_frames(element->axis, frames), add_frames(element->across, frames);
+  if (frames.empty()) frames.insert(0);
   for (const double frame : frames)
     if (const auto problem = problem_of_rotations(objects, feature, frame)) return problem;
   return {};

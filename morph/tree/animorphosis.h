@@ -20,11 +20,12 @@ struct NodePair {
   static constexpr std::string_view k_name = "node_pair";
   static constexpr std::string_view k_doc = R"(Two nodes of an `animorphosis` that correspond, by the `name` that each has in its tree.
 
-They become one another, and what is above them corresponds too: both must stand equally deep below operators that do. A name may stand
-in several pairs: then the node is divided, and each part goes its own way.)";
+They become one another, and what they stand in is matched so that they can; where that is impossible it is an error. A name may stand in
+several pairs: then the node is divided, and each part goes its own way.)";
 
   std::string from, to;
   std::optional<Value<Mode, float>> progress{};
+  SourcePosition where{};
 
   static constexpr auto parameters() {
     return std::tuple{
@@ -45,12 +46,13 @@ struct Animorphosis {
       "pairs": [{ "from": "left foot", "to": "left claw" }] }
 
 At `progress` 0 it is `from`, at 1 it is `to`, both as they move; between, a tree that has both in it. Level by level, each part of the
-one gets its counterpart in the other, by place, size, kind and name; `pairs` forces some. Numbers and places go straight, directions turn.
-Skeletons of different kinds become one another through a simpler or a richer one that both can be: a cylinder becomes a box through a segment or
-a point. A part without a counterpart grows out of its neighbour, or back into it. Blends, hyper-blends and unions become one another
-by the n of a hyper-blend; warps start from where they do nothing. What can be matched in no way shrinks away while the
-other grows. Materials of one kind mix their numbers, so veins stay veins; of others one grows through the other along the features of the
-pattern that it is, or that it grows through; two plain surfaces fade. Source: Barbier, Galin, Akkouche, animorphosis; methods.md section 2.)";
+one gets its counterpart in the other, so that all together differ least in place, size, kind and name; `pairs` forces some. Numbers and
+places go straight, directions turn. A skeleton becomes one of another kind within a kind that has both as special cases (a cylinder and
+a cone), or else through a special case of both (a cylinder, a segment, a box). A part without a counterpart grows out of its
+neighbour, or back into it. A blend becomes a union as a hyper-blend whose n grows; warps start from where they do nothing. What
+cannot be matched shrinks away while the other grows. Materials of the same kind mix their numbers, so veins stay veins. Of different
+kinds, if either is a pattern, one spreads through the other along that pattern's features; if both are plain, they fade. Both trees
+have the threshold of the shape that they stand in. Source: Barbier, Galin, Akkouche, animorphosis; methods.md section 2.)";
 
   typename Mode::Child from{}, to{};
   Value<Mode, float> progress{0.f};

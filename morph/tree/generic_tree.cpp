@@ -20,6 +20,10 @@ namespace {
 
 using A = AnimatedMode;
 
+/// Of the children of two operators: an assignment takes their number to the power of three halves.
+constexpr size_t k_most_comparisons = 1'000'000;
+constexpr size_t k_most_pairs = 500;
+
 /// How far a part has come, and which of the pairs says so: 0 is the whole, i is pair i - 1. Of the same number the progress is the same.
 struct Progress {
   Animated<float> s;
@@ -53,13 +57,14 @@ public:
   void check_pairs() const {
     for (size_t i = 0; i < pairs_.size(); ++i)
       if (!met_.count(i))
-        fail(fmt::format("\"{}\" and \"{}\" cannot correspond: what they stand in does not, or they stand at different levels",
-                         pairs_[i].from, pairs_[i].to));
+        throw Error(
+            ExitStatus::bad_data,
+            fmt::format("pairs: \"{}\" and \"{}\" cannot correspond: what they stand in does not, or they stand at different levels",
+                        pairs_[i].from, pairs_[i].to),
+            pairs_[i].where);
   }
 
 private:
-  [[noreturn]] void fail(const std::string& what) const { throw Error(ExitStatus::bad_data, "pairs: " + what, where_); }
-
   static bool is_called(const FieldNode& node, std::string_view name) { return node.name == name; }
   static bool has_below(const FieldNode& node, std::string_view name) {
     const std::vector<FieldPtr> children = children_of(node);
@@ -142,9 +147,27 @@ private:
     std::vector<FieldPtr> from, to;
   };
 
+  /// Whether a leaf has a weight below 0 at some time.
+  static bool may_carve(const FieldNode& node) {
+    const auto own = [](const auto& kind) {
+      if constexpr (requires { kind.weight.frames(); }) {
+        const std::vector<double> frames = kind.weight.frames();
+        if (frames.empty()) return kind.weight.at(0) < 0;
+        return std::any_of(frames.begin(), frames.end(), [&](double frame) { return kind.weight.at(frame) < 0; });
+      }
+      return false;
+    };
+    const std::vector<FieldPtr> children = children_of(node);
+    return std::visit(own, node.kind) || std::any_of(children.begin(), children.end(), [](const FieldPtr& c) { return may_carve(*c); });
+  }
+
   /// 1/n of a hyper-blend that an operator is.
   static std::optional<Animated<float>> one_over_n(const FieldNode& node) {
-    if (std::holds_alternative<Blend<A>>(node.kind)) return Animated<float>(1.f);
+    if (std::holds_alternative<Blend<A>>(node.kind)) { // a hyper-blend counts what carves as 0
+      const std::vector<FieldPtr> children = children_of(node);
+      if (std::any_of(children.begin(), children.end(), [](const FieldPtr& c) { return may_carve(*c); })) return {};
+      return Animated<float>(1.f);
+    }
     if (const auto* hyper = std::get_if<HyperBlend<A>>(&node.kind)) return computed<float>([](float n) { return 1 / n; }, hyper->n);
     const auto* united = std::get_if<Union<A>>(&node.kind);
     if (united && united->formula == BooleanFormula::sharp) return Animated<float>(0.f);
@@ -163,9 +186,14 @@ private:
       }
     }
     // One side stands alone in the operator of the other; what carves or joins locally is nearer to a lone part than a sum is.
-    const bool prefers_b = is_operator_b && one_over_n(*a) && !one_over_n(*b);
-    if (is_operator_a && !prefers_b && !std::holds_alternative<Intersection<A>>(a->kind)) return Common{a->kind, children_of(*a), {b}};
-    if (is_operator_b && !std::holds_alternative<Intersection<A>>(b->kind)) return Common{b->kind, {a}, children_of(*b)};
+    // Any but a blend counts what carves as 0.
+    const auto can_hold = [](const FieldNode& node, const FieldNode& lone) {
+      return !std::holds_alternative<Intersection<A>>(node.kind) && (std::holds_alternative<Blend<A>>(node.kind) || !may_carve(lone));
+    };
+    const bool takes_a = is_operator_a && can_hold(*a, *b), takes_b = is_operator_b && can_hold(*b, *a);
+    const bool prefers_b = takes_b && one_over_n(*a) && !one_over_n(*b);
+    if (takes_a && !prefers_b) return Common{a->kind, children_of(*a), {b}};
+    if (takes_b) return Common{b->kind, {a}, children_of(*b)};
     return {};
   }
 
@@ -214,17 +242,21 @@ private:
 
   std::vector<PartLink> forced(const std::vector<FieldPtr>& from, const std::vector<FieldPtr>& to) const {
     std::vector<PartLink> links;
-    for (const NodePair<A>& pair : pairs_)
-      for (size_t i = 0; i < from.size(); ++i)
-        for (size_t j = 0; j < to.size(); ++j) {
-          const PartLink link{i, j};
-          if (has_below(*from[i], pair.from) && has_below(*to[j], pair.to) && std::find(links.begin(), links.end(), link) == links.end())
-            links.push_back(link);
-        }
+    for (const NodePair<A>& pair : pairs_) { // a name is that of one node
+      const auto i = std::find_if(from.begin(), from.end(), [&](const FieldPtr& part) { return has_below(*part, pair.from); });
+      const auto j = std::find_if(to.begin(), to.end(), [&](const FieldPtr& part) { return has_below(*part, pair.to); });
+      if (i == from.end() || j == to.end()) continue;
+      const PartLink link{size_t(i - from.begin()), size_t(j - to.begin())};
+      if (std::find(links.begin(), links.end(), link) == links.end()) links.push_back(link);
+    }
     return links;
   }
 
   void join(std::vector<FieldPtr>& children, const Common& both, const Progress& progress) {
+    if (both.from.size() * both.to.size() > k_most_comparisons)
+      throw Error(ExitStatus::bad_data,
+                  fmt::format("animorphosis: operators of {} and {} parts are too many to match", both.from.size(), both.to.size()),
+                  where_);
     const std::vector<MatchedPart> from = parts_of(both.from), to = parts_of(both.to);
     std::vector<PartLink> links = match_children(from, to, forced(both.from, both.to));
     if (one_over_n(FieldNode{both.kind, {}, {}, {}})) divide(links, from, to);
@@ -275,12 +307,19 @@ private:
 
   /// A part that goes several ways: its copies together are what it was. In a hyper-blend n copies of weight w / n^(1/n') are one.
   FieldPtr share(const FieldPtr& node, std::ptrdiff_t ways, const AnimatedKind& in) const {
-    if (ways < 2 || std::holds_alternative<Union<A>>(in) || std::holds_alternative<Difference<A>>(in)) return node;
+    if (ways < 2) return node;
+    const auto refuse = [&] {
+      throw Error(ExitStatus::bad_data, fmt::format("pairs: \"{}\" cannot be divided where it stands, or cannot be weighted", node->name),
+                  where_);
+    };
+    const bool is_blend = one_over_n(FieldNode{in, {}, {}, {}}).has_value();
+    if (!is_blend && (!std::holds_alternative<Difference<A>>(in) || is_smooth(in))) refuse();
+    if (std::holds_alternative<Union<A>>(in) || std::holds_alternative<Difference<A>>(in)) return node;
     const auto* hyper = std::get_if<HyperBlend<A>>(&in);
     const auto part =
         computed<float>([ways](float n) { return float(std::pow(double(ways), -1 / double(n))); }, hyper ? hyper->n : Animated<float>(1.f));
     FieldPtr copy = is_linear(*node) ? weighted_tree(*node, part) : nullptr;
-    if (!copy) fail(fmt::format("\"{}\" cannot be divided: what it is made of cannot be weighted", node->name));
+    if (!copy) refuse();
     return copy;
   }
 
@@ -301,10 +340,11 @@ private:
 
   /// A part that is whole at s = 0 and gone at s = 1: it draws in to a place, and at last loses its weight.
   static FieldPtr shrunk(const FieldPtr& node, const Vec3& to, const Animated<float>& s) {
-    static constexpr float k_least = 0.02f, k_fading = 0.1f;
-    const auto size = computed<Vec3>([](float t) { return Vec3(std::max(k_least, 1 - t)); }, s);
+    static constexpr float k_least = 0.02f, k_least_unfaded = 1e-4f, k_fading = 0.1f;
     const auto left = computed<float>([](float t) { return std::min(1.f, (1 - t) / k_fading); }, s);
-    const FieldPtr faded = weighted_tree(*node, left);
+    const FieldPtr faded = weighted_tree(*node, left); // null of what has no weight: that becomes very small
+    const float least = faded ? k_least : k_least_unfaded;
+    const auto size = computed<Vec3>([least](float t) { return Vec3(std::max(least, 1 - t)); }, s);
     FieldPtr out = node_of(Scale<A>{size, to, faded ? faded : node}, *node);
     out->material = nullptr;
     return out;
@@ -313,7 +353,9 @@ private:
   /// What have nothing in common: the one goes while the other comes.
   FieldPtr exchange(const FieldPtr& a, const FieldPtr& b, const Animated<float>& s) const {
     const Vec3 place_a(box_of_tree(*a, frame_).centre()), place_b(box_of_tree(*b, frame_).centre());
-    FieldPtr out = node_of(Union<A>{BooleanFormula::sharp, {shrunk(a, place_a, s), shrunk(b, place_b, rest_of(s))}}, *a);
+    std::vector<FieldPtr> both{shrunk(a, place_a, s), shrunk(b, place_b, rest_of(s))};
+    const bool is_sum = may_carve(*a) || may_carve(*b); // a union would count that as 0
+    FieldPtr out = is_sum ? node_of(Blend<A>{std::move(both)}, *a) : node_of(Union<A>{BooleanFormula::sharp, std::move(both)}, *a);
     out->material = nullptr;
     return out;
   }
@@ -353,7 +395,8 @@ double middle_frame(const Animated<float>& progress) {
 
 FieldPtr generic_tree(const Animorphosis<A>& kind, const TreePlace& place, const SourcePosition& where) {
   const FieldPtr from = plain_tree(*kind.from, place), to = plain_tree(*kind.to, place);
-  for (const NodePair<A>& pair : kind.pairs) check_name(pair.from, *from, "from", where), check_name(pair.to, *to, "to", where);
+  if (kind.pairs.size() > k_most_pairs) throw Error(ExitStatus::bad_data, fmt::format("pairs: more than {}", k_most_pairs), where);
+  for (const NodePair<A>& pair : kind.pairs) check_name(pair.from, *from, "from", pair.where), check_name(pair.to, *to, "to", pair.where);
   Builder builder(kind, middle_frame(kind.progress), place.material, where);
   FieldPtr tree = builder.build(from, to, {kind.progress});
   builder.check_pairs();

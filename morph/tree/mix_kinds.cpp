@@ -2,6 +2,29 @@
 
 namespace kelpie {
 
+namespace detail {
+
+namespace {
+/// When one of two values moves, or any moment.
+template <class T>
+double some_frame(const Animated<T>& a, const Animated<T>& b) {
+  const std::vector<double> frames = a.is_constant() ? b.frames() : a.frames();
+  return frames.empty() ? 0 : frames.front();
+}
+} // namespace
+
+bool have_equal_signs(const Animated<float>& a, const Animated<float>& b) {
+  const double frame = some_frame(a, b);
+  return (a.at(frame) < 0) == (b.at(frame) < 0);
+}
+bool have_equal_signs(const Animated<Vec3>& a, const Animated<Vec3>& b) {
+  const double frame = some_frame(a, b);
+  const Vec3 x = a.at(frame), y = b.at(frame);
+  return (x.x < 0) == (y.x < 0) && (x.y < 0) == (y.y < 0) && (x.z < 0) == (y.z < 0);
+}
+
+} // namespace detail
+
 std::optional<AnimatedKind> mixed_kind(const AnimatedKind& a, const AnimatedKind& b, const Animated<float>& s) {
   if (a.index() != b.index()) return {};
   AnimatedKind out = a;

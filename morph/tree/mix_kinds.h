@@ -15,12 +15,24 @@ constexpr bool k_is_edge = IsEdge<T> || IsMaterialEdge<T>;
 template <class T>
 constexpr bool k_is_edge<std::vector<T>> = IsEdge<T>;
 
+/// Whether two values have the same signs, by components.
+bool have_equal_signs(const Animated<float>& a, const Animated<float>& b);
+bool have_equal_signs(const Animated<Vec3>& a, const Animated<Vec3>& b);
+template <class T>
+bool have_equal_signs(const T&, const T&) {
+  return true;
+}
+
 /// Whether lists are as long in both, and what may be left out is there in both or in none.
 template <class Kind>
 bool have_one_form(const Kind& a, const Kind& b) {
   bool is_one = true;
   const auto row = [&]<class T>(const T& x, const T& y) {
-    if constexpr (IsList<T> && !k_is_edge<T>) is_one &= x.size() == y.size();
+    if constexpr (IsList<T> && !k_is_edge<T>) {
+      is_one &= x.size() == y.size();
+      if constexpr (Record<typename ListTrait<T>::Element>)
+        for (size_t i = 0; is_one && i < x.size(); ++i) is_one &= have_one_form(x[i], y[i]);
+    }
     if constexpr (IsOptional<T>) is_one &= x.has_value() == y.has_value();
   };
   std::apply([&](const auto&... r) { (row(a.*(r.member), b.*(r.member)), ...); }, k_table<Kind>);
@@ -29,12 +41,14 @@ bool have_one_form(const Kind& a, const Kind& b) {
 } // namespace detail
 
 /// Mixes every number of a record that may move into those of `a`: a at s = 0, b at s = 1; directions turn. Children and materials stay
-/// those of a, and so does its falloff. False where the two differ in anything else: a file, the length of a list, how a curve is made.
+/// those of a, and so does its falloff. False where the two differ in anything else: a file, the length of a list, how a
+/// curve is made, the sign of what is never 0.
 template <class Kind>
 bool mix_numbers(Kind& a, const Kind& b, const Animated<float>& s) {
   if (!detail::have_one_form(a, b)) return false;
   bool is_good = true;
   const auto one = [&]<class T>(const ParameterRules& rules, T& x, const T& y) {
+    if (rules.range.without_zero) is_good &= detail::have_equal_signs(x, y); // else it is 0 on the way
     if constexpr (std::is_same_v<T, Animated<Vec3>>)
       x = rules.is_nonzero ? turned(x, y, s) : mixed<Vec3>(x, y, s);
     else if constexpr (IsAnimated<T>)

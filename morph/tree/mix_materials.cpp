@@ -29,7 +29,7 @@ public:
   template <class SampledPattern>
   explicit Quantiles(const SampledPattern& pattern) : values_(k_count) {
     std::minstd_rand random(1);
-    const float reach = 50 * pattern.size;
+    const float reach = std::min(50 * pattern.size, 1e6f);
     const auto coordinate = [&] { return reach * (2 * float(random()) / float(random.max()) - 1); };
     for (float& value : values_) {
       const float x = coordinate(), y = coordinate(), z = coordinate();

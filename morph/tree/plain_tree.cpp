@@ -61,6 +61,7 @@ private:
       if (kind.formula == BooleanFormula::automatic) kind.formula = way.is_below_blend ? BooleanFormula::smooth : BooleanFormula::sharp;
     Way below = way;
     below.is_below_blend |= joins_by_value(node.kind);
+    if (std::is_same_v<Kind, Metamorphosis<A>>) below.is_below_blend = false; // its objects are distances
     size_t count = 0;
     for_each_edge(kind, [&](const auto&, const ParameterRules&) { ++count; });
     if (count == 0 || (k_moves_space<Kind> && has_place(way.material))) node.material = way.material, below.material = nullptr;
@@ -163,7 +164,7 @@ bool joins_by_value(const FieldKinds::Variant<AnimatedMode>& kind) {
   return std::visit(
       []<class Kind>(const Kind& k) {
         if constexpr (std::is_same_v<Kind, Blend<A>> || std::is_same_v<Kind, HyperBlend<A>>) return k.children.size() > 1;
-        return std::is_same_v<Kind, LocalBlend<A>> || std::is_same_v<Kind, Metamorphosis<A>>;
+        return std::is_same_v<Kind, LocalBlend<A>>;
       },
       kind);
 }
