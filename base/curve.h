@@ -121,8 +121,8 @@ private:
   /// Of the curve at one of its ends.
   T slope_at(const Key<T>& end, const Key<T>& next) const {
     if (interpolation_ == Interpolation::step) return T{};
-    if (interpolation_ != Interpolation::linear) return end.derivatives.empty() ? T{} : end.derivatives[0];
-    return secant(end, next);
+    if (end.derivatives.empty() || next.derivatives.empty()) return secant(end, next); // straight between them, too
+    return end.derivatives[0];
   }
   static T secant(const Key<T>& a, const Key<T>& b) { return (b.value + a.value * -1.f) * float(1 / (b.frame - a.frame)); }
 
@@ -184,12 +184,7 @@ private:
   bool closes() const {
     const auto is = [&](Outside how) { return ends_.before == how || ends_.after == how; };
     if (is(Outside::cycle_offset)) return true;
-    bool are_equal = true;
-    detail::by_component(keys_.front().value, keys_.back().value, [&](float a, float b) {
-      are_equal &= a == b;
-      return 0.f;
-    });
-    return is(Outside::cycle) && are_equal;
+    return is(Outside::cycle) && keys_.front().value == keys_.back().value;
   }
 
   /// At a key that ends the stretch a-b and begins c-d.

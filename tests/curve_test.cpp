@@ -103,6 +103,8 @@ TEST(Curve, GoesOnOutsideItsKeys) {
   }
   EXPECT_FLOAT_EQ(at(Outside::proceed, 0), -1);
   EXPECT_FLOAT_EQ(at(Outside::proceed, 8), 1);
+  const Curve<float> straight({{0, 0.f, {}}, {1, 2.f, {}}}, Interpolation::hermite, {Outside::proceed, Outside::proceed});
+  EXPECT_FLOAT_EQ(straight.at(2), 4);
   const Curve<float> tangent({{0, 0.f, {2.f}}, {1, 1.f, {-1.f}}}, Interpolation::hermite, {Outside::proceed, Outside::proceed});
   EXPECT_FLOAT_EQ(tangent.at(-2), -4);
   EXPECT_FLOAT_EQ(tangent.at(3), -1);
