@@ -3,7 +3,12 @@
 #include <algorithm>
 #include <array>
 
+#include "base/one_of.h"
+
 namespace kelpie {
+
+template struct OneOf<MaterialKinds, AnimatedMode>;
+template struct OneOf<MaterialKinds, SampledMode>;
 
 namespace {
 

@@ -2,7 +2,12 @@
 
 #include <algorithm>
 
+#include "base/one_of.h"
+
 namespace kelpie {
+
+template struct OneOf<FieldKinds, AnimatedMode>;
+template struct OneOf<FieldKinds, SampledMode>;
 
 bool is_equal(const SampledField& a, const SampledField& b) {
   const auto end = [](const SampledField& field) { return field.nodes.end() - std::ptrdiff_t(field.piece_count); };

@@ -124,10 +124,11 @@ namespace detail {
 template <class T>
 std::string plausible_json(const ParameterRules& rules, const T& value) {
   if constexpr (std::is_same_v<T, FieldPtr>)
-    return rules.example.empty() ? minimal_json<typename std::variant_alternative_t<0, FieldKinds::Variant<AnimatedMode>>>(true)
-                                 : std::string(rules.example);
+    return rules.example.empty()
+               ? minimal_json<typename std::variant_alternative_t<0, FieldKinds::Variant<AnimatedMode>::Alternatives>>(true)
+               : std::string(rules.example);
   else if constexpr (std::is_same_v<T, MaterialPtr>)
-    return minimal_json<typename std::variant_alternative_t<0, MaterialKinds::Variant<AnimatedMode>>>(true);
+    return minimal_json<typename std::variant_alternative_t<0, MaterialKinds::Variant<AnimatedMode>::Alternatives>>(true);
   else if constexpr (std::is_same_v<T, AssetPath> || std::is_same_v<T, PartReference>)
     return json_text(std::string(rules.example));
   else if constexpr (std::is_same_v<T, std::string>)

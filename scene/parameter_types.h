@@ -21,7 +21,7 @@ concept IsMap = MapTrait<T>::value;
 template <class V>
 struct KindsTrait : std::false_type {};
 template <template <class> class... Kinds>
-struct KindsTrait<std::variant<Kinds<AnimatedMode>...>> : std::true_type {
+struct KindsTrait<OneOf<KindList<Kinds...>, AnimatedMode>> : std::true_type {
   using List = KindList<Kinds...>;
 };
 template <class V>

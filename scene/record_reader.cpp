@@ -1,9 +1,12 @@
 #include "scene/record_reader.h"
 
+#include "base/one_of.h"
 #include "materials/presets.h"
 #include "scene/other_names.h"
 
 namespace kelpie {
+
+template struct OneOf<SceneFieldKinds, AnimatedMode>;
 
 namespace {
 
