@@ -48,7 +48,7 @@ public:
         if (pairs_[i].progress) progress = {*pairs_[i].progress, i + 1};
       }
     const bool are_leaves = children_of(*a).empty() && children_of(*b).empty();
-    FieldPtr out = are_leaves                   ? leaf_between(*a, *b, progress.s, material_between(*a, *b, progress))
+    FieldPtr out = are_leaves                   ? leaf_between(*a, *b, progress.s, material_between(*a, *b, progress), frame_)
                    : is_warp(*a) || is_warp(*b) ? warps(a, b, progress)
                                                 : operators(a, b, progress);
     return out ? out : exchange(a, b, progress.s);
@@ -283,7 +283,7 @@ private:
   /// it.
   static void divide(std::vector<PartLink>& links, const std::vector<MatchedPart>& from, const std::vector<MatchedPart>& to) {
     const auto can_be = [&](const PartLink& l) {
-      return from[l.from].leaves == 1 && to[l.to].leaves == 1 && !common_solids(from[l.from].node->kind, to[l.to].node->kind, 0.5f).empty();
+      return from[l.from].leaves == 1 && to[l.to].leaves == 1 && common_path(from[l.from].node->kind, to[l.to].node->kind).has_value();
     };
     Box3d around_from, around_to;
     for (const MatchedPart& part : from) around_from.extend(part.box);

@@ -1,7 +1,7 @@
 #include "morph/tree/leaf_between.h"
 
+#include "morph/tree/kept_volume.h"
 #include "morph/tree/plain_tree.h"
-#include "morph/tree/skeleton_graph.h"
 
 namespace kelpie {
 
@@ -22,6 +22,15 @@ std::optional<Falloff> falloff_of(const AnimatedKind& kind) {
       kind);
 }
 
+AnimatedKind with_radius(AnimatedKind kind, const Animated<float>& factor) {
+  std::visit(
+      [&](auto& k) {
+        if constexpr (requires { k.radius = factor; }) k.radius = computed<float>([](float r, float f) { return r * f; }, k.radius, factor);
+      },
+      kind);
+  return kind;
+}
+
 AnimatedKind with_falloff(AnimatedKind kind, Falloff falloff) {
   std::visit(
       [&](auto& k) {
@@ -31,29 +40,36 @@ AnimatedKind with_falloff(AnimatedKind kind, Falloff falloff) {
   return kind;
 }
 
-} // namespace
-
-std::vector<AnimatedKind> common_solids(const AnimatedKind& a, const AnimatedKind& b, const Animated<float>& s) {
-  AnimatedKind from = a, to = b;
-  make_comparable(from, to);
-  if (auto one = mixed_kind(from, to, s)) return {std::move(*one)};
-  const std::optional<SkeletonPath> path = skeleton_path(a, b);
-  if (!path) return {};
-  const auto stage = [&](size_t i, const Animated<float>& t) { return *mixed_kind(path->stages[i].from, path->stages[i].to, t); };
-  if (path->stages.size() == 1) return {stage(0, s)};
+/// The one or two skeletons that go along a path; of two the one has weight before the middle, the other after it.
+std::vector<AnimatedKind> along(const SkeletonPath& path, const Animated<float>& s, double frame) {
+  const auto stage = [&](size_t i, const Animated<float>& t) { return *mixed_kind(path.stages[i].from, path.stages[i].to, t); };
+  if (path.stages.size() == 1) return {stage(0, s)};
   const auto first = computed<float>([](float t) { return std::min(1.f, 2 * t); }, s);
   const auto second = computed<float>([](float t) { return std::max(0.f, 2 * t - 1); }, s);
   const auto is_first = computed<float>([](float t) { return t < 0.5f ? 1.f : 0.f; }, s);
-  return {weighted(stage(0, first), is_first), weighted(stage(1, second), rest_of(is_first))};
+  const auto factor = computed<float>([curve = factor_for_volume(path, frame)](float t) { return curve.at(t); }, s);
+  return {weighted(with_radius(stage(0, first), factor), is_first), weighted(with_radius(stage(1, second), factor), rest_of(is_first))};
 }
 
-FieldPtr leaf_between(const FieldNode& a, const FieldNode& b, const Animated<float>& s, const AnimatedMode::Material& material) {
+} // namespace
+
+std::optional<SkeletonPath> common_path(const AnimatedKind& a, const AnimatedKind& b) {
+  AnimatedKind from = a, to = b;
+  make_comparable(from, to);
+  if (mixed_kind(from, to, 0.5f)) return SkeletonPath{{{std::move(from), std::move(to)}}, 0};
+  return skeleton_path(a, b);
+}
+
+FieldPtr leaf_between(const FieldNode& a, const FieldNode& b, const Animated<float>& s, const AnimatedMode::Material& material,
+                      double frame) {
+  const std::optional<SkeletonPath> path = common_path(a.kind, b.kind);
+  if (!path) return nullptr;
   std::vector<FieldPtr> leaves;
   const auto add = [&](AnimatedKind kind) {
     leaves.push_back(std::make_shared<FieldNode>(FieldNode{std::move(kind), a.where, material, a.name}));
   };
   const std::optional<Falloff> from = falloff_of(a.kind), to = falloff_of(b.kind);
-  for (const AnimatedKind& kind : common_solids(a.kind, b.kind, s)) {
+  for (const AnimatedKind& kind : along(*path, s, frame)) {
     if (from == to) {
       add(kind);
     } else { // the same solid with either falloff: their sum goes from the one to the other
@@ -61,7 +77,7 @@ FieldPtr leaf_between(const FieldNode& a, const FieldNode& b, const Animated<flo
       add(weighted(with_falloff(kind, *to), s));
     }
   }
-  if (leaves.size() < 2) return leaves.empty() ? nullptr : leaves.front();
+  if (leaves.size() == 1) return leaves.front();
   return std::make_shared<FieldNode>(FieldNode{Blend<AnimatedMode>{std::move(leaves)}, a.where, {}, {}});
 }
 
