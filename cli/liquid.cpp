@@ -112,7 +112,7 @@ void add_liquid(CLI::App& app) {
       ->check(CLI::IsMember({"mesh", "fit"}))
       ->capture_default_str();
   std::vector<std::string> materials;
-  for (const std::string_view kind : kind_names<MaterialKinds>()) materials.emplace_back(kind);
+  for (const std::string_view kind : kind_names<PlainMaterialKinds>()) materials.emplace_back(kind);
   for (const Preset& preset : k_presets) materials.emplace_back(preset.name);
   command.add_option("--surface", options->surface, "what it is made of: a surface, a preset or a pattern (`kelpie swatches`)")
       ->check(CLI::IsMember(materials))

@@ -5,11 +5,14 @@
 
 #include "base/error.h"
 #include "materials/patterns.h"
+#include "materials/phase_blend.h"
 #include "materials/surfaces.h"
 
 namespace kelpie {
 
-using MaterialKinds = Concat<SurfaceKinds, PatternKinds>;
+/// Those that are something by default.
+using PlainMaterialKinds = Concat<SurfaceKinds, PatternKinds>;
+using MaterialKinds = Concat<PlainMaterialKinds, KindList<PhaseBlend>>;
 
 /// A node of a tree of materials; its parameters may be animated.
 struct MaterialNode {

@@ -94,7 +94,8 @@ std::string_view field_group() {
 /// Materials, too.
 template <template <class> class Kind>
 std::string_view material_group() {
-  return Pattern<Kind<SampledMode>> ? "patterns" : "surfaces";
+  return requires(const Kind<SampledMode> k) { k.surface(); }
+  ? "surfaces" : "patterns";
 }
 
 constexpr std::string_view k_keys_doc = R"(A value that changes over time.

@@ -68,9 +68,11 @@ bool RecordReader::read(MaterialPtr& out, const JsonValue& v, const ParameterRul
   return v.string() ? read_material_name(out, v) : read_new_material(out, v, rules);
 }
 
-/// A pattern without stops has those of its kind; others ascend, at least at all their keys.
+/// A pattern without stops has those of its kind; others ascend, at least at all their keys. Phases are shifted to where they agree.
 template <class Kind>
-bool RecordReader::complete_stops(Kind& kind, const JsonValue& v) {
+bool RecordReader::complete(Kind& kind, const JsonValue& v) {
+  if constexpr (std::is_same_v<Kind, PhaseBlend<AnimatedMode>>)
+    if (!kind.shift) kind.shift = best_phase_shift(kind.from, kind.to, 0);
   if constexpr (requires { kind.stops; }) {
     if (v.find("stops") && kind.stops.empty()) return fail(*v.find("stops"), "stops may not be empty");
     if (kind.stops.empty()) {
@@ -94,7 +96,7 @@ bool RecordReader::read_new_material(MaterialPtr& out, const JsonValue& v, const
   auto node = std::make_shared<MaterialNode>();
   node->where = where(v);
   if (!read(node->kind, v, rules)) return false;
-  if (!std::visit([&](auto& kind) { return complete_stops(kind, v); }, node->kind)) return false;
+  if (!std::visit([&](auto& kind) { return complete(kind, v); }, node->kind)) return false;
   const auto count_below = [&]<class T>(const ParameterRules&, const T& value) {
     if constexpr (IsMaterialEdge<T>) node->depth = std::max(node->depth, value->depth + 1), node->count += value->count;
   };
@@ -135,15 +137,15 @@ bool RecordReader::read_material_name(MaterialPtr& out, const JsonValue& v) {
     out = make_material<OpenPbr>(preset->surface<AnimatedMode>());
     return true;
   }
-  MaterialKinds::for_each([&]<template <class> class Kind>() {
+  PlainMaterialKinds::for_each([&]<template <class> class Kind>() {
     if (Kind<AnimatedMode>::k_name != name) return;
     Kind<AnimatedMode> kind;
-    complete_stops(kind, v);
+    complete(kind, v);
     out = make_material<Kind>(std::move(kind));
   });
   if (out) return true;
   for (const Preset& preset : k_presets) known.push_back(preset.name);
-  for (const std::string_view kind : kind_names<MaterialKinds>()) known.push_back(kind);
+  for (const std::string_view kind : kind_names<PlainMaterialKinds>()) known.push_back(kind);
   return document().is_complete && fail(v, unknown_name("material", name, known));
 }
 

@@ -161,7 +161,7 @@ private:
   bool read_material_name(MaterialPtr& out, const JsonValue&);
   bool read_new_material(MaterialPtr& out, const JsonValue&, const ParameterRules&);
   template <class Kind>
-  bool complete_stops(Kind&, const JsonValue&);
+  bool complete(Kind&, const JsonValue&);
   bool check_row(const JsonValue& parent, const JsonMember&, const ParameterRules&);
   bool check_presence(const JsonValue&, std::string_view owner, const ParameterRules&);
   const std::string* read_kind_name(const JsonValue&, std::string_view parameter, std::string_view group,

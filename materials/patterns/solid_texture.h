@@ -34,6 +34,13 @@ struct PhaseMixture {
     for (size_t i = 0; i < count; ++i) phases[i].weight *= 1 - part;
     phases[count++] = {phase.mean, phase.variance, part};
   }
+
+  /// Calls use(phase) for each that has weight.
+  template <class Use>
+  void for_each(const Use& use) const {
+    for (size_t i = 0; i < count; ++i)
+      if (phases[i].weight > 0) use(phases[i]);
+  }
 };
 
 /// All phases of a domain alike.
@@ -91,18 +98,25 @@ struct SolidTexture : PatternParameters<Mode> {
 
   // Sampled:
 
+  /// What phases there are over the footprint.
+  PhaseMixture phases(const Vec3& p, const Footprint& footprint) const {
+    const Place straight = Place{p, footprint}.scaled(1 / this->size);
+    return kind().mixture(straight.displaced(this->warp, this->warp_size, 1, stream(1)));
+  }
+
   /// The mean value over the footprint.
   float value(const Vec3& p, const Footprint& footprint) const {
     float sum = 0;
-    for_each_phase(p, footprint, [&](const SpreadPhase& phase) { sum += phase.weight * table_->value(phase.mean, phase.variance); });
+    phases(p, footprint).for_each([&](const SpreadPhase& phase) { sum += phase.weight * table_->value(phase.mean, phase.variance); });
     return sum;
   }
 
-  /// The mean share of each stop over the footprint.
-  void shares(const Vec3& p, const Footprint& footprint, std::span<float> out) const {
+  /// The mean share of each stop where there are these phases, or over the footprint.
+  void shares(const PhaseMixture& mixture, std::span<float> out) const {
     std::fill(out.begin(), out.end(), 0.f);
-    for_each_phase(p, footprint, [&](const SpreadPhase& phase) { table_->add_shares(phase.mean, phase.variance, phase.weight, out); });
+    mixture.for_each([&](const SpreadPhase& phase) { table_->add_shares(phase.mean, phase.variance, phase.weight, out); });
   }
+  void shares(const Vec3& p, const Footprint& footprint, std::span<float> out) const { shares(phases(p, footprint), out); }
 
   /// Makes the table; to be called again when a parameter has changed.
   void prepare() {
@@ -136,14 +150,6 @@ protected:
 
 private:
   const Kind<Mode>& kind() const { return static_cast<const Kind<Mode>&>(*this); }
-
-  template <class Use>
-  void for_each_phase(const Vec3& p, const Footprint& footprint, const Use& use) const {
-    const Place straight = Place{p, footprint}.scaled(1 / this->size);
-    const PhaseMixture mixture = kind().mixture(straight.displaced(this->warp, this->warp_size, 1, stream(1)));
-    for (size_t i = 0; i < mixture.count; ++i)
-      if (mixture.phases[i].weight > 0) use(mixture.phases[i]);
-  }
 
   std::shared_ptr<const ShareTable> table_;
 };

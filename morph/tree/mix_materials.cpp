@@ -108,6 +108,10 @@ MaterialPtr mixed_material(const MaterialPtr& a, const MaterialPtr& b, const Ani
     const auto mix = [&]<class Kind>(const Kind& kind) { return mixed_numbers(*a, kind, std::get<Kind>(b->kind), s, how, frame); };
     if (MaterialPtr one = std::visit(mix, a->kind)) return one;
   }
+  if (how == MaterialChange::grow && !problem_of_phases(a, b)) {
+    const PhaseBlend<A> blend{a, b, computed<float>([](float t) { return std::clamp(t, 0.f, 1.f); }, s), best_phase_shift(a, b, frame)};
+    return std::make_shared<MaterialNode>(MaterialNode{blend, a->where, 1 + std::max(a->depth, b->depth), 1 + a->count + b->count});
+  }
   if (how == MaterialChange::grow)
     for (const MaterialPtr& pattern : {b, a})
       if (MaterialPtr one = grown_along(pattern, a, b, s, frame)) return one;
