@@ -5,14 +5,14 @@
 
 #include "base/error.h"
 #include "materials/patterns.h"
-#include "materials/phase_blend.h"
 #include "materials/surfaces.h"
+#include "materials/transition.h"
 
 namespace kelpie {
 
 /// Those that are something by default.
 using PlainMaterialKinds = Concat<SurfaceKinds, PatternKinds>;
-using MaterialKinds = Concat<PlainMaterialKinds, KindList<PhaseBlend>>;
+using MaterialKinds = Concat<PlainMaterialKinds, KindList<Transition>>;
 
 /// A node of a tree of materials; its parameters may be animated.
 struct MaterialNode {

@@ -68,11 +68,10 @@ bool RecordReader::read(MaterialPtr& out, const JsonValue& v, const ParameterRul
   return v.string() ? read_material_name(out, v) : read_new_material(out, v, rules);
 }
 
-/// A pattern without stops has those of its kind; others ascend, at least at all their keys. Phases are shifted to where they agree.
+/// A pattern without stops has those of its kind; others ascend, at least at all their keys. What a transition does not say is chosen.
 template <class Kind>
 bool RecordReader::complete(Kind& kind, const JsonValue& v) {
-  if constexpr (std::is_same_v<Kind, PhaseBlend<AnimatedMode>>)
-    if (!kind.shift) kind.shift = best_phase_shift(kind.from, kind.to, 0);
+  if constexpr (std::is_same_v<Kind, Transition<AnimatedMode>>) complete_transition(kind, 0);
   if constexpr (requires { kind.stops; }) {
     if (v.find("stops") && kind.stops.empty()) return fail(*v.find("stops"), "stops may not be empty");
     if (kind.stops.empty()) {

@@ -204,6 +204,12 @@ TEST(Materials, MayHaveNames) {
   EXPECT_EQ(folder.errors(scene("", "\"silver\"")), "");
   EXPECT_EQ(folder.errors(scene(gold, "7")), "scene.json:2:11: surface: expected a material (an object with a \"kind\"), found a number");
   EXPECT_EQ(folder.errors(scene("", R"({"kind":"marble","stops":[]})")), "scene.json:2:36: stops may not be empty");
+  EXPECT_EQ(folder.errors(scene("", R"({"kind":"transition","from":"marble","to":"wood"})")), "");
+  EXPECT_EQ(folder.errors(scene("", R"({"kind":"transition","way":"phase","from":"marble","to":"granite"})")),
+            "scene.json:2:67: to: expected a pattern with a phase (marble, wood, strata, stripes), found granite");
+  EXPECT_EQ(folder.errors(scene("", R"({"kind":"transition","way":"growth","from":"chrome","to":"gold"})")),
+            "scene.json:2:67: to: expected a pattern, found openpbr");
+  EXPECT_EQ(folder.errors(scene("", "\"transition\"")), "scene.json:2:11: unknown material \"transition\"");
   // One may be another by name, whichever comes first; but not itself.
   const Scene other = folder.read(scene("\"other\":\"gold\"," + gold, "\"other\""));
   EXPECT_EQ(other.shapes[0].surface, other.materials.at("gold"));

@@ -117,6 +117,15 @@ struct SolidTexture : PatternParameters<Mode> {
     mixture.for_each([&](const SpreadPhase& phase) { table_->add_shares(phase.mean, phase.variance, phase.weight, out); });
   }
   void shares(const Vec3& p, const Footprint& footprint, std::span<float> out) const { shares(phases(p, footprint), out); }
+  /// The share of each stop where the value is this one.
+  void shares(float value, std::span<float> out) const {
+    for (size_t i = 0; i < out.size(); ++i) out[i] = static_cast<float>(i == 0);
+    for (size_t i = 0; i + 1 < out.size() && value > this->stops[i].at; ++i) {
+      const float width = this->stops[i + 1].at - this->stops[i].at;
+      out[i + 1] = width > 0 ? std::min(1.f, (value - this->stops[i].at) / width) : 1.f;
+      out[i] = 1 - out[i + 1];
+    }
+  }
 
   /// Makes the table; to be called again when a parameter has changed.
   void prepare() {
