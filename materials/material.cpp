@@ -1,13 +1,32 @@
 #include "materials/material.h"
 
 #include "base/one_of.h"
-#include "base/table.h"
+#include "base/sample_record.h"
 #include "materials/add_stops.h"
 
 namespace kelpie {
 
 template struct OneOf<MaterialKinds, AnimatedMode>;
 template struct OneOf<MaterialKinds, SampledMode>;
+
+Vec3 mean_colour(const MaterialNode& material, double frame) {
+  const auto of_kind = [&]<template <class> class Kind>(const Kind<AnimatedMode>& kind) {
+    if constexpr (requires(Kind<SampledMode> k) { k.surface(); }) {
+      const SurfaceParameters surface = sample_record(kind, frame).surface();
+      return surface.base_color.rgb * surface.base_weight;
+    } else {
+      Vec3 sum(0);
+      float count = 0;
+      for_each_value(
+          [&]<class T>(const ParameterRules&, const T& value) {
+            if constexpr (IsMaterialEdge<T>) sum += mean_colour(*value, frame), ++count;
+          },
+          kind);
+      return sum / std::max(count, 1.f);
+    }
+  };
+  return std::visit(of_kind, material.kind);
+}
 
 void add_material(const SampledMaterials& all, MaterialIndex index, const Vec3& p, const Footprint& footprint, float weight,
                   SurfaceMix& mix) {

@@ -30,6 +30,9 @@ MaterialPtr make_material(Kind<AnimatedMode> kind = {}) {
   return std::make_shared<MaterialNode>(MaterialNode{std::move(kind), {}});
 }
 
+/// Its base colour at a frame, scene-linear; where it ranges over others, the mean of theirs.
+Vec3 mean_colour(const MaterialNode&, double frame);
+
 /// The materials of a scene at one moment; those that a pattern ranges over stand before it.
 using SampledMaterials = std::vector<MaterialKinds::Variant<SampledMode>>;
 

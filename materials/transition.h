@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/kind.h"
+#include "materials/patterns/share_table.h"
 #include "materials/patterns/value_distribution.h"
 
 namespace kelpie {
@@ -20,13 +21,28 @@ struct EnumNames<TransitionWay> {
                                                                                      {"dissolve", TransitionWay::dissolve}}};
 };
 
-/// The values of the patterns on both sides; none of what is no pattern.
+/// A pattern over a period of its phase, at phases that are equally far apart.
+struct PhaseRanks {
+  std::vector<float> darker; ///< of each phase, how many of all are darker, in [0, 1]
+  std::vector<float> values; ///< of all phases, from the darkest one on
+  std::vector<float> stops;  ///< where they are
+};
+
+/// What is known of both sides before anything is sampled.
 struct TransitionTables {
-  std::optional<ValueDistribution> from, to;
+  std::optional<ValueDistribution> from, to; ///< for growth; none of what is no pattern
+  std::array<PhaseRanks, 2> ranks;           ///< for phases
+};
+
+/// How much there is of the stops of both sides at a blended phase.
+struct BlendedPhases {
+  ShareTable from, to;
 };
 
 template <class Mode>
 struct Transition;
+
+std::shared_ptr<const BlendedPhases> blended_phases(const Transition<SampledMode>&);
 
 /// What is wrong with a transition: it asks for a way that its materials cannot go.
 std::optional<ParameterProblem> problem_of(const Transition<AnimatedMode>&);
@@ -38,7 +54,8 @@ struct Transition {
 
 A mixture of two patterns shows both at once, and pale. So `way` is
     phase      where values repeat with a phase on both sides (marble, wood, strata, stripes): veins swing round and become rings.
-                   phase = (1 - progress) phase of `from` + progress (phase of `to` - shift)
+                   phase = (1 - progress) phase of `from` + progress (phase of `to` - shift); over a period of it light and dark change
+                   evenly from where they are in the one to where they are in the other
     growth     of other patterns: `to` comes through `from` in patches, first where its own values are highest, and colours
                change evenly as it grows. So it is between a pattern and a plain surface, but that both keep their colours.
     dissolve   of two plain surfaces; for any it is the mixture
@@ -49,7 +66,8 @@ Source: ours; methods.md section 5.)";
   Value<Mode, float> progress{0.5f};
   TransitionWay way = TransitionWay::automatic;
   std::optional<Value<Mode, float>> shift{}, patch_size{};
-  std::shared_ptr<const TransitionTables> tables{}; ///< for growth, by complete_transition()
+  std::shared_ptr<const TransitionTables> tables{}; ///< by complete_transition()
+  std::shared_ptr<const BlendedPhases> blended{};   ///< by prepare()
 
   static constexpr auto parameters() {
     return std::tuple{
@@ -66,6 +84,9 @@ Source: ours; methods.md section 5.)";
   }
   static constexpr auto assets() { return std::tuple{&Transition::tables}; }
 
+  void prepare() requires std::is_same_v<Mode, SampledMode> {
+    if (way == TransitionWay::phase && tables) blended = blended_phases(*this);
+  }
   std::optional<ParameterProblem> problem() const requires std::is_same_v<Mode, AnimatedMode> { return problem_of(*this); }
 };
 

@@ -35,6 +35,12 @@ struct PhaseMixture {
     phases[count++] = {phase.mean, phase.variance, part};
   }
 
+  /// Only what covers the first one.
+  PhaseMixture without_first() const {
+    PhaseMixture rest = *this;
+    rest.phases[0].weight = 0;
+    return rest;
+  }
   /// Calls use(phase) for each that has weight.
   template <class Use>
   void for_each(const Use& use) const {
@@ -133,10 +139,12 @@ struct SolidTexture : PatternParameters<Mode> {
     for (const auto& stop : this->stops) at.push_back(stop.at);
     if (at.empty())
       for (const PlainStop& stop : Kind<Mode>::k_default_stops) at.push_back(stop.at);
-    const auto shaped = [this](float phase) {
-      return std::clamp(0.5f + this->contrast * (kind().profile(phase) - 0.5f) + this->bias, 0.f, 1.f);
-    };
-    table_ = std::make_shared<const ShareTable>(Kind<Mode>::k_domain, at, shaped);
+    table_ = std::make_shared<const ShareTable>(Kind<Mode>::k_domain, at, [this](float phase) { return value_of_phase(phase); });
+  }
+
+  /// Of a phase in the domain.
+  float value_of_phase(float phase) const {
+    return std::clamp(0.5f + this->contrast * (kind().profile(phase) - 0.5f) + this->bias, 0.f, 1.f);
   }
 
 protected:

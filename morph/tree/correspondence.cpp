@@ -30,13 +30,13 @@ double log_ratio(double a, double b) { return std::abs(std::log(std::max(a, 1e-9
 
 double difference_of(const MatchedPart& a, const MatchedPart& b, const Box3d& around_a, const Box3d& around_b) {
   // How much a step in each counts, beside one across half of everything.
-  constexpr double k_size = 0.35, k_kind = 0.4, k_name = 1, k_leaves = 0.15;
+  constexpr double k_size = 0.35, k_kind = 0.4, k_name = 1, k_leaves = 0.15, k_colour = 0.8;
   const double size_a = std::max(0.5 * around_a.diagonal(), 1e-9), size_b = std::max(0.5 * around_b.diagonal(), 1e-9);
   const Vec3d place_a = (a.box.centre() - around_a.centre()) / size_a, place_b = (b.box.centre() - around_b.centre()) / size_b;
   const bool has_other_name = a.node->name != b.node->name || a.node->name.empty();
   return glm::distance(place_a, place_b) + k_size * log_ratio(a.box.diagonal() / size_a, b.box.diagonal() / size_b) +
          k_kind * (a.node->kind.index() != b.node->kind.index()) + k_name * has_other_name +
-         k_leaves * log_ratio(double(a.leaves), double(b.leaves));
+         k_leaves * log_ratio(double(a.leaves), double(b.leaves)) + k_colour * std::min(1.0, double(glm::distance(a.colour, b.colour)));
 }
 
 std::vector<PartLink> match_children(const std::vector<MatchedPart>& from, const std::vector<MatchedPart>& to,

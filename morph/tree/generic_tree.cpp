@@ -145,7 +145,28 @@ private:
   struct Common {
     AnimatedKind kind;
     std::vector<FieldPtr> from, to;
+    FieldPtr region; ///< of a local blend, if it is neither side's
   };
+
+  /// A blend is a local blend everywhere, a union one nowhere: where those of one side blend, and how much, goes to the region of the
+  /// other. Null of other operators, and where the region cannot be weighted.
+  static FieldPtr region_between(const FieldNode& other, const LocalBlend<A>& local, const Animated<float>& how_local) {
+    const std::optional<Animated<float>> n = one_over_n(other);
+    if (!n || std::holds_alternative<HyperBlend<A>>(other.kind)) return nullptr;
+    FieldPtr region = weighted_tree(*local.region, how_local);
+    if (!region || std::holds_alternative<Union<A>>(other.kind)) return region;
+    Point<A> everywhere; // no place is far from its middle; above 1 a region counts as 1
+    everywhere.radius = 1e6f;
+    everywhere.weight = computed<float>([](float t) { return std::min(1.f, 1 - t) * 1.0001f; }, how_local);
+    return node_of(Blend<A>{{region, node_of(everywhere, *region)}}, *region);
+  }
+  static std::optional<Common> common_with_local(const FieldPtr& a, const FieldPtr& b, const Animated<float>& s) {
+    const auto *local_a = std::get_if<LocalBlend<A>>(&a->kind), *local_b = std::get_if<LocalBlend<A>>(&b->kind);
+    if (!local_a == !local_b) return {};
+    FieldPtr region = local_a ? region_between(*b, *local_a, rest_of(s)) : region_between(*a, *local_b, s);
+    if (!region) return {};
+    return Common{local_a ? a->kind : b->kind, children_of(*a), children_of(*b), std::move(region)};
+  }
 
   /// Whether a leaf has a weight below 0 at some time.
   static bool may_carve(const FieldNode& node) {
@@ -177,13 +198,14 @@ private:
   static std::optional<Common> common(const FieldPtr& a, const FieldPtr& b, const Animated<float>& s) {
     const bool is_operator_a = !children_of(*a).empty() && !is_warp(*a), is_operator_b = !children_of(*b).empty() && !is_warp(*b);
     if (is_operator_a && is_operator_b) {
-      if (const auto kind = mixed_kind(a->kind, b->kind, s)) return Common{*kind, children_of(*a), children_of(*b)};
+      if (const auto kind = mixed_kind(a->kind, b->kind, s)) return Common{*kind, children_of(*a), children_of(*b), nullptr};
       const auto n_a = one_over_n(*a), n_b = one_over_n(*b);
       if (n_a && n_b) {
         static constexpr float k_union = 1e-6f; // as good as 0
         const auto n = computed<float>([](float x, float y, float t) { return 1 / std::max(k_union, (1 - t) * x + t * y); }, *n_a, *n_b, s);
-        return Common{HyperBlend<A>{n, {}}, children_of(*a), children_of(*b)};
+        return Common{HyperBlend<A>{n, {}}, children_of(*a), children_of(*b), nullptr};
       }
+      if (auto local = common_with_local(a, b, s)) return local;
     }
     // One side stands alone in the operator of the other; what carves or joins locally is nearer to a lone part than a sum is.
     // Any but a blend counts what carves as 0.
@@ -192,8 +214,8 @@ private:
     };
     const bool takes_a = is_operator_a && can_hold(*a, *b), takes_b = is_operator_b && can_hold(*b, *a);
     const bool prefers_b = takes_b && one_over_n(*a) && !one_over_n(*b);
-    if (takes_a && !prefers_b) return Common{a->kind, children_of(*a), {b}};
-    if (takes_b) return Common{b->kind, {a}, children_of(*b)};
+    if (takes_a && !prefers_b) return Common{a->kind, children_of(*a), {b}, nullptr};
+    if (takes_b) return Common{b->kind, {a}, children_of(*b), nullptr};
     return {};
   }
 
@@ -204,13 +226,16 @@ private:
     const bool needs_equals =
         std::holds_alternative<Intersection<A>>(both->kind) || (std::holds_alternative<Difference<A>>(both->kind) && is_smooth(both->kind));
     if (needs_equals && both->from.size() != both->to.size()) return nullptr;
-    FieldPtr region; // the last child of a local blend
+    const std::vector<PartLink> wanted = forced(both->from, both->to);
+    const bool is_out_of_order = std::any_of(wanted.begin(), wanted.end(), [](const PartLink& l) { return l.from != l.to; });
+    if (is_smooth(both->kind) && is_out_of_order) return nullptr; // of three operands or more the order counts
+    FieldPtr region;                                              // the last child of a local blend
     if (std::holds_alternative<LocalBlend<A>>(both->kind)) {
       const bool has_a = std::holds_alternative<LocalBlend<A>>(a->kind), has_b = std::holds_alternative<LocalBlend<A>>(b->kind);
       const FieldPtr region_a = has_a ? both->from.back() : nullptr, region_b = has_b ? both->to.back() : nullptr;
       if (has_a) both->from.pop_back();
       if (has_b) both->to.pop_back();
-      region = has_a && has_b ? build(region_a, region_b, progress) : has_a ? region_a : region_b;
+      region = both->region ? both->region : has_a && has_b ? build(region_a, region_b, progress) : has_a ? region_a : region_b;
     }
     const bool is_ordered = std::holds_alternative<Difference<A>>(both->kind);
     std::vector<FieldPtr> children;
@@ -236,8 +261,18 @@ private:
 
   std::vector<MatchedPart> parts_of(const std::vector<FieldPtr>& nodes) const {
     std::vector<MatchedPart> parts;
-    for (const FieldPtr& node : nodes) parts.push_back({node.get(), box_of_tree(*node, frame_), leaf_count(*node)});
+    for (const FieldPtr& node : nodes) {
+      const size_t leaves = leaf_count(*node);
+      parts.push_back({node.get(), box_of_tree(*node, frame_), leaves, colours_of(*node) / float(leaves)});
+    }
     return parts;
+  }
+  /// The sum of those of all leaves.
+  Vec3 colours_of(const FieldNode& node) const {
+    Vec3 sum(0);
+    const std::vector<FieldPtr> children = children_of(node);
+    for (const FieldPtr& child : children) sum += colours_of(*child);
+    return children.empty() ? mean_colour(node.material ? *node.material : *material_, frame_) : sum;
   }
 
   std::vector<PartLink> forced(const std::vector<FieldPtr>& from, const std::vector<FieldPtr>& to) const {
@@ -252,13 +287,20 @@ private:
     return links;
   }
 
+  static std::vector<PartLink> in_order(size_t from, size_t to) {
+    std::vector<PartLink> links;
+    for (size_t i = 0; i < std::min(from, to); ++i) links.push_back({i, i});
+    return links;
+  }
+
   void join(std::vector<FieldPtr>& children, const Common& both, const Progress& progress) {
     if (both.from.size() * both.to.size() > k_most_comparisons)
       throw Error(ExitStatus::bad_data,
                   fmt::format("animorphosis: operators of {} and {} parts are too many to match", both.from.size(), both.to.size()),
                   where_);
     const std::vector<MatchedPart> from = parts_of(both.from), to = parts_of(both.to);
-    std::vector<PartLink> links = match_children(from, to, forced(both.from, both.to));
+    std::vector<PartLink> links =
+        is_smooth(both.kind) ? in_order(from.size(), to.size()) : match_children(from, to, forced(both.from, both.to));
     if (one_over_n(FieldNode{both.kind, {}, {}, {}})) divide(links, from, to);
     const auto count = [&](auto side, size_t i) {
       return std::count_if(links.begin(), links.end(), [&](const PartLink& l) { return l.*side == i; });
@@ -267,9 +309,11 @@ private:
       children.push_back(build(share(both.from[link.from], count(&PartLink::from, link.from), both.kind),
                                share(both.to[link.to], count(&PartLink::to, link.to), both.kind), progress));
     for (size_t i = 0; i < from.size(); ++i)
-      if (!count(&PartLink::from, i)) children.push_back(shrunk(both.from[i], anchor(from[i], from, links, &PartLink::from), progress.s));
+      if (!count(&PartLink::from, i))
+        children.push_back(shrunk(both.from[i], anchor(from[i], from, to, links, &PartLink::from), progress.s));
     for (size_t j = 0; j < to.size(); ++j)
-      if (!count(&PartLink::to, j)) children.push_back(shrunk(both.to[j], anchor(to[j], to, links, &PartLink::to), rest_of(progress.s)));
+      if (!count(&PartLink::to, j))
+        children.push_back(shrunk(both.to[j], anchor(to[j], to, from, links, &PartLink::to), rest_of(progress.s)));
   }
 
   /// Whether the field of a tree is multiplied when the weights of its leaves are: nothing in it looks at the threshold.
@@ -323,37 +367,47 @@ private:
     return copy;
   }
 
-  /// Where a part without a counterpart comes from: the place in it that is nearest to the nearest part that has one.
+  /// Where a part without a counterpart comes from, or goes to: the place in it that is nearest to the nearest part that has one, and how
+  /// that moves on to where its counterpart is.
+  struct Anchor {
+    Vec3 place{0}, drift{0};
+  };
   template <class Member>
-  Vec3 anchor(const MatchedPart& part, const std::vector<MatchedPart>& all, const std::vector<PartLink>& links, Member side) const {
+  static Anchor anchor(const MatchedPart& part, const std::vector<MatchedPart>& own, const std::vector<MatchedPart>& others,
+                       const std::vector<PartLink>& links, Member side) {
+    const Member other_side = side == &PartLink::from ? &PartLink::to : &PartLink::from;
     const Vec3d middle = part.box.centre();
-    Vec3d nearest = middle;
+    Anchor nearest{Vec3(middle)};
     double least = std::numeric_limits<double>::infinity();
     for (const PartLink& link : links) {
-      const Box3d& other = all[link.*side].box;
-      const Vec3d place = glm::clamp(other.centre(), part.box.lower, part.box.upper);
-      const double away = glm::distance(glm::clamp(middle, other.lower, other.upper), middle);
-      if (away < least) least = away, nearest = place;
+      const Box3d& neighbour = own[link.*side].box;
+      const double away = glm::distance(glm::clamp(middle, neighbour.lower, neighbour.upper), middle);
+      if (away >= least) continue;
+      least = away;
+      nearest.place = Vec3(glm::clamp(neighbour.centre(), part.box.lower, part.box.upper));
+      nearest.drift = Vec3(others[link.*other_side].box.centre() - neighbour.centre());
     }
-    return Vec3(nearest);
+    return nearest;
   }
 
-  /// A part that is whole at s = 0 and gone at s = 1: it draws in to a place, and at last loses its weight.
-  static FieldPtr shrunk(const FieldPtr& node, const Vec3& to, const Animated<float>& s) {
+  /// A part that is whole at s = 0 and gone at s = 1: it draws in to a place, goes with its neighbour, and at last loses its weight.
+  static FieldPtr shrunk(const FieldPtr& node, const Anchor& to, const Animated<float>& s) {
     static constexpr float k_least = 0.02f, k_least_unfaded = 1e-4f, k_fading = 0.1f;
     const auto left = computed<float>([](float t) { return std::min(1.f, (1 - t) / k_fading); }, s);
     const FieldPtr faded = weighted_tree(*node, left); // null of what has no weight: that becomes very small
     const float least = faded ? k_least : k_least_unfaded;
     const auto size = computed<Vec3>([least](float t) { return Vec3(std::max(least, 1 - t)); }, s);
-    FieldPtr out = node_of(Scale<A>{size, to, faded ? faded : node}, *node);
-    out->material = nullptr;
+    const FieldPtr scaled = node_of(Scale<A>{size, to.place, faded ? faded : node}, *node);
+    const auto by = computed<Vec3>([drift = to.drift](float t) { return drift * t; }, s);
+    FieldPtr out = node_of(Translate<A>{by, scaled}, *node);
+    out->material = scaled->material = nullptr;
     return out;
   }
 
-  /// What have nothing in common: the one goes while the other comes.
+  /// What have nothing in common: the one goes while the other comes, in one place that moves from that of the one to that of the other.
   FieldPtr exchange(const FieldPtr& a, const FieldPtr& b, const Animated<float>& s) const {
     const Vec3 place_a(box_of_tree(*a, frame_).centre()), place_b(box_of_tree(*b, frame_).centre());
-    std::vector<FieldPtr> both{shrunk(a, place_a, s), shrunk(b, place_b, rest_of(s))};
+    std::vector<FieldPtr> both{shrunk(a, {place_a, place_b - place_a}, s), shrunk(b, {place_b, place_a - place_b}, rest_of(s))};
     const bool is_sum = may_carve(*a) || may_carve(*b); // a union would count that as 0
     FieldPtr out = is_sum ? node_of(Blend<A>{std::move(both)}, *a) : node_of(Union<A>{BooleanFormula::sharp, std::move(both)}, *a);
     out->material = nullptr;

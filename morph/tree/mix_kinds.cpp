@@ -1,5 +1,7 @@
 #include "morph/tree/mix_kinds.h"
 
+#include "morph/tree/limbs.h"
+
 namespace kelpie {
 
 namespace detail {
@@ -38,6 +40,11 @@ void make_comparable(AnimatedKind& a, AnimatedKind& b) {
     for (auto [shorter, longer] : {std::pair(&hull->points, &other->points), std::pair(&other->points, &hull->points)})
       for (size_t i = 0, n = shorter->size(); shorter->size() < longer->size(); ++i) shorter->push_back((*shorter)[i % n]);
   }
+  auto* const limb_a = std::get_if<GeneralizedCylinder<AnimatedMode>>(&a);
+  if (auto* limb_b = std::get_if<GeneralizedCylinder<AnimatedMode>>(&b); limb_a && limb_b)
+    if (limb_a->points.size() != limb_b->points.size() || limb_a->curve != limb_b->curve || limb_a->detail != limb_b->detail ||
+        limb_a->detail_pixels != limb_b->detail_pixels)
+      give_equal_pieces(*limb_a, *limb_b);
   for (AnimatedKind* kind : {&a, &b})
     if (auto* limb = std::get_if<GeneralizedCylinder<AnimatedMode>>(kind)) {
       if (limb->radii.empty()) limb->radii.emplace_back(0.f);

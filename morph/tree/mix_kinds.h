@@ -70,7 +70,8 @@ using AnimatedKind = FieldKinds::Variant<AnimatedMode>;
 std::optional<AnimatedKind> mixed_kind(const AnimatedKind& a, const AnimatedKind& b, const Animated<float>& s);
 
 /// Gives two nodes of one kind lists of equal lengths, where that changes neither: corners of hulls are repeated, one radius for all
-/// becomes one for each.
+/// becomes one for each; limbs of other curves, numbers of points or details become cubic Bézier curves of as many pieces, which are
+/// expanded within the finer detail.
 void make_comparable(AnimatedKind& a, AnimatedKind& b);
 
 /// The same with each of its numbers at another time.
