@@ -31,6 +31,7 @@ struct PhaseRanks {
 /// What is known of both sides before anything is sampled.
 struct TransitionTables {
   std::optional<ValueDistribution> from, to; ///< for growth; none of what is no pattern
+  bool is_opposed = false;                   ///< whether high values are light on one side and dark on the other
   std::array<PhaseRanks, 2> ranks;           ///< for phases
 };
 
