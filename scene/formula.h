@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <mutex>
+#include <optional>
 
 #include "base/kind.h"
 #include "base/time_function.h"
@@ -10,20 +12,30 @@
 
 namespace kelpie {
 
-/// What an expression says.
+/// What an expression says. Values and breaks are remembered for a while: at one moment of a scene many others ask for those of a variable.
 class Formula final : public TimeFunction<float> {
 public:
   /// `frames`: see TimeFunction.
-  Formula(Expression expression, std::vector<double> frames) : expression_(std::move(expression)), frames_(std::move(frames)) {}
+  Formula(Expression expression, std::vector<double> frames);
 
-  float at(double frame) const override { return static_cast<float>(expression_.at(frame)); }
+  float at(double frame) const override;
   std::vector<double> frames() const override { return frames_; }
   /// Found by samples: what turns back, bends or jumps between two of them a 64th of the stretch apart is not noticed.
   std::vector<double> breaks(double from, double to) const override;
 
 private:
+  std::vector<double> found_breaks(double from, double to) const;
+
+  struct Breaks {
+    double from = 0, to = 0;
+    std::vector<double> frames;
+  };
+
   Expression expression_;
   std::vector<double> frames_;
+  uint64_t number_; ///< no other formula has had it
+  mutable std::mutex breaks_mutex_;
+  mutable std::optional<Breaks> last_breaks_;
 };
 
 /// A vector or colour whose components change by themselves.
