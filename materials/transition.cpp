@@ -152,8 +152,10 @@ void complete_transition(Transition<AnimatedMode>& t, double frame) {
     t.tables = std::move(tables);
     return;
   }
-  float size = 1;
-  const auto measure = [&](auto& table) { return [&](const auto& pattern, const auto&) { table.emplace(pattern), size = pattern.size; }; };
+  float size = 0;
+  const auto measure = [&](auto& table) {
+    return [&](const auto& pattern, const auto&) { table.emplace(pattern), size = std::max(size, pattern.size); };
+  };
   with_pattern(*t.from, frame, measure(tables->from));
   with_pattern(*t.to, frame, measure(tables->to));
   if (tables->from && tables->to) {

@@ -78,7 +78,8 @@ Source: ours; methods.md section 5.)";
         parameter("way", &Transition::way, "how it goes"),
         parameter("shift", &Transition::shift,
                   "of the phase of `to`, in periods; unless it is said, where the light and the dark of both agree best"),
-        parameter("patch_size", &Transition::patch_size, "of the patches that grow; unless it is said, 5 times the size of the pattern")
+        parameter("patch_size", &Transition::patch_size,
+                  "of the patches that grow; unless it is said, 5 times the size of the larger pattern")
             .in(Unit::length)
             .above(0),
     };

@@ -108,6 +108,30 @@ TEST(Booleans, AreSharpWhereNoBlendStandsAbove) {
   });
 }
 
+/// Of any number of operands the bounds hold, and are of use: a union of many parts, none of which reaches another, is not lost.
+TEST(Booleans, OfManyOperandsHaveBounds) {
+  for (const size_t count : {2u, 10u, 11u, 16u, 60u}) {
+    SampledField field;
+    Union<SampledMode> parts;
+    parts.formula = BooleanFormula::smooth;
+    for (size_t i = 0; i < count; ++i) parts.children.push_back(add_point(field, Vec3(2.5f * float(i), 0, 0)));
+    add(field, parts);
+    const FieldProgram program = compile(std::move(field), k_threshold);
+    const float end = 2.5f * float(count);
+    const auto box = [](Interval x) { return Point3<Interval>{x, {-1, 1}, {-1, 1}}; };
+    for (const Interval x : {Interval{-1, end}, Interval{-1, 1}, Interval{end - 3, end - 2}, Interval{0.4, 2.1}}) {
+      const Interval bound = evaluate(program, program.code, box(x));
+      EXPECT_GE(bound.lo, -1e-9) << count;
+      EXPECT_LT(bound.hi, 1e6) << count;
+      for (int i = 0; i <= 20; ++i) {
+        const double value = evaluate(program, program.code, Point3<double>{x.lo + (x.hi - x.lo) * i / 20, 0.1, 0});
+        EXPECT_TRUE(bound.lo - 1e-9 <= value && value <= bound.hi + 1e-9) << count << " " << value;
+      }
+    }
+    EXPECT_NEAR(evaluate(program, program.code, Point3<double>{end - 2.5, 0, 0}), 2, 1e-6);
+  }
+}
+
 TEST(Booleans, AreSmoothBelowABlend) {
   for_each_boolean([]<template <class> class Kind>() {
     for (const Above& above : k_blend_above) {

@@ -55,13 +55,16 @@ struct Unite {
   static T slope(const T& a, const T& b) {
     return slope_of_u(a, b) + slope_of_k(a) * rest(b) + k(b) * (T(1.0) - slope_of_u(a, T(0.0)));
   }
-  /// Not quite monotone: term by term, met with the mean-value form.
+  /// Not quite monotone: term by term, met with the mean-value form, and hardly less than the larger operand. Without that the bounds of
+  /// many operands, joined one after another, would grow without end.
   static Interval join(Interval a, Interval b) {
     const Interval natural = u(a, b) + k(a) * rest(b) + k(b) * rest(a);
     const double reach = 0.5 * (slope(a, b).magnitude() * a.width() + slope(b, a).magnitude() * b.width());
-    const double at_middle = join(a.middle(), b.middle());
-    return intersect(natural, Interval{at_middle - reach, at_middle + reach});
+    const double at_middle = join(a.middle(), b.middle()), least = std::max(a.lo, b.lo) - k_below;
+    const Interval met = intersect(natural, Interval{at_middle - reach, at_middle + reach});
+    return {std::max({met.lo, least, 0.0}), std::max(met.hi, 0.0)};
   }
+  static constexpr double k_below = 0.045; ///< by 0.0439 at most, on a grid of steps of 1/1000
 };
 
 struct Intersect {
