@@ -62,8 +62,9 @@ struct Unite {
     const double reach = 0.5 * (slope(a, b).magnitude() * a.width() + slope(b, a).magnitude() * b.width());
     const double at_middle = join(a.middle(), b.middle()), least = std::max(a.lo, b.lo) - k_below;
     const Interval met = intersect(natural, Interval{at_middle - reach, at_middle + reach});
-    return {std::max({met.lo, least, 0.0}), std::max(met.hi, 0.0)};
+    return {std::clamp(met.lo, std::max(least, 0.0), k_huge), std::clamp(met.hi, 0.0, k_huge)};
   }
+  static constexpr double k_huge = 1e100;  ///< no field is as large; beyond it there are no numbers any more
   static constexpr double k_below = 0.045; ///< by 0.0439 at most, on a grid of steps of 1/1000
 };
 
