@@ -15,6 +15,7 @@ void add_fit(CLI::App&);
 void add_features(CLI::App&);
 void add_kinds(CLI::App&);
 void add_liquid(CLI::App&);
+void add_match(CLI::App&);
 void add_mesh(CLI::App&);
 void add_movie(CLI::App&);
 void add_render(CLI::App&);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/markup.h"
 #include "cli/report_text.h"
 #include "renderer/output/picture.h"
 
@@ -18,18 +19,6 @@ constexpr std::string_view k_style = R"(body{font:14px/1.45 system-ui,sans-serif
 h1{font-size:1.4em}h2{font-size:1em;margin:1.4em 0 .2em}figure{display:inline-block;margin:3px;text-align:center;font-size:11px;color:#555}
 figure img{display:block;width:174px}svg{display:block}.axis{stroke:#bbb}.pop{stroke:#d33}text{font-size:11px;fill:#555}
 .c0{stroke:#1763ad}.c1{stroke:#d8862a}polyline{fill:none;stroke-width:1.5}.k0{color:#1763ad}.k1{color:#d8862a}.bad{color:#b11})";
-
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) switch (c) {
-    case '&': out += "&amp;"; break;
-    case '<': out += "&lt;"; break;
-    case '>': out += "&gt;"; break;
-    case '"': out += "&quot;"; break;
-    default: out += c;
-    }
-  return out;
-}
 
 /// A curve over the frames; NaN where there is nothing.
 struct Curve {

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
+#include "morph/field_fold.h"
 #include "morph/tree/generic_tree.h"
 
 namespace kelpie {
@@ -17,6 +19,20 @@ size_t node_count(const FieldNode& root) {
   return count;
 }
 
+/// The names of the shapes in which each maker stands.
+std::map<const FieldNode*, std::vector<std::string>> shapes_of(const std::vector<ReadTreeMaker>& makers, const Scene& scene) {
+  std::map<const FieldNode*, std::vector<std::string>> shapes;
+  for (const Shape& shape : scene.shapes) {
+    std::set<const FieldNode*> nodes;
+    const auto collect = [&](const FieldNode& node, const auto&...) { return nodes.insert(&node).second; };
+    for (const FieldPtr& tree : {shape.field, shape.texture})
+      if (tree) FieldFold<char>(PartsShared::always)(*tree, collect);
+    for (const ReadTreeMaker& maker : makers)
+      if (nodes.count(maker.node.get())) shapes[maker.node.get()].push_back(shape.name);
+  }
+  return shapes;
+}
+
 class Grower {
 public:
   Grower(const std::vector<ReadTreeMaker>& makers, ProblemList& problems) : problems_(problems) {
@@ -25,6 +41,9 @@ public:
 
   /// All trees below a node, from the innermost one.
   void grow(FieldNode& node, const TreePlace& place) { depth_of(node, place); }
+
+  /// What was grown.
+  std::vector<GrownTree> take() { return std::move(grown_); }
 
 private:
   /// How many makers stand in one another below it, this one included. Each asks the one below it for twice as many values.
@@ -52,17 +71,19 @@ private:
       if (++deepest > k_most_deep)
         problems_.add(node.where, fmt::format("more than {} animorphoses in one another", k_most_deep));
       else if (count_ <= k_most_nodes)
-        replace(node, maker->second->kind, place);
+        replace(*maker->second, place);
     }
     return depths_[&node] = deepest;
   }
 
-  void replace(FieldNode& node, const Animorphosis<AnimatedMode>& kind, const TreePlace& place) {
+  void replace(const ReadTreeMaker& maker, const TreePlace& place) {
+    FieldNode& node = *maker.node;
     try {
-      const FieldPtr tree = generic_tree(kind, place, node.where);
-      node.kind = tree->kind;
-      if (tree->material) node.material = tree->material;
-      if ((count_ += node_count(*tree)) > k_most_nodes)
+      const auto [root, match] = generic_tree(maker.kind, place, node.where);
+      node.kind = root->kind;
+      if (root->material) node.material = root->material;
+      grown_.push_back({maker.node, {}, match});
+      if ((count_ += node_count(*root)) > k_most_nodes)
         problems_.add(node.where, fmt::format("the trees of all animorphoses have more than {} nodes", k_most_nodes));
     } catch (const Error& e) {
       problems_.add(e, node.where);
@@ -72,17 +93,22 @@ private:
   ProblemList& problems_;
   std::map<const FieldNode*, const ReadTreeMaker*> makers_;
   std::map<const FieldNode*, int> depths_;
+  std::vector<GrownTree> grown_;
   size_t count_ = 0;
 };
 
 } // namespace
 
-void grow_trees(const std::vector<ReadTreeMaker>& makers, Scene& scene, ProblemList& problems) {
-  if (makers.empty()) return;
+std::vector<GrownTree> grow_trees(const std::vector<ReadTreeMaker>& makers, Scene& scene, ProblemList& problems) {
+  if (makers.empty()) return {};
+  const auto shapes = shapes_of(makers, scene);
   Grower grower(makers, problems);
   for (const Shape& shape : scene.shapes)
     for (const FieldPtr& tree : {shape.field, shape.texture})
       if (tree) grower.grow(*tree, {shape.threshold, false, shape.surface});
+  std::vector<GrownTree> grown = grower.take();
+  for (GrownTree& tree : grown) tree.shapes = shapes.at(tree.root.get());
+  return grown;
 }
 
 } // namespace kelpie

@@ -64,7 +64,7 @@ std::vector<std::string> read_recipe_names(const std::string& path, const ReadOp
   return recipe_names(document);
 }
 
-Scene read_scene(const std::string& path, const ReadOptions& options, Diagnostics& diagnostics) {
+Scene read_scene_and_trees(const std::string& path, const ReadOptions& options, Diagnostics& diagnostics, std::vector<GrownTree>& trees) {
   ProblemList problems;
   Document document = read_document(path, problems);
   const AssetFolder folder(path, options.allow_paths);
@@ -82,7 +82,7 @@ Scene read_scene(const std::string& path, const ReadOptions& options, Diagnostic
   check_axes(reader.nodes(), document, problems);
   load_assets(reader, scene, options.use_cache, problems, diagnostics);
   if (problems.is_empty() && !reader.tree_makers().empty()) {
-    grow_trees(reader.tree_makers(), scene, problems);
+    trees = grow_trees(reader.tree_makers(), scene, problems);
     check_distances(scene, problems);
   }
   if (problems.is_empty()) check_size(scene, problems);
@@ -95,6 +95,11 @@ Scene read_scene(const std::string& path, const ReadOptions& options, Diagnostic
   remove_recipes(document);
   scene.hash = hash_scene(canonical_text(document.root), reader.asset_files());
   return scene;
+}
+
+Scene read_scene(const std::string& path, const ReadOptions& options, Diagnostics& diagnostics) {
+  std::vector<GrownTree> trees;
+  return read_scene_and_trees(path, options, diagnostics, trees);
 }
 
 } // namespace kelpie

@@ -4,16 +4,11 @@
 #include <cmath>
 
 #include "morph/feature/match_parts.h"
+#include "morph/tree/leaf_between.h"
 
 namespace kelpie {
 
 namespace {
-
-Box3d around(const std::vector<MatchedPart>& parts) {
-  Box3d box;
-  for (const MatchedPart& part : parts) box.extend(part.box);
-  return box;
-}
 
 /// Those that are in no link.
 template <class Member>
@@ -27,6 +22,12 @@ std::vector<size_t> unlinked(size_t count, const std::vector<PartLink>& links, M
 double log_ratio(double a, double b) { return std::abs(std::log(std::max(a, 1e-9) / std::max(b, 1e-9))); }
 
 } // namespace
+
+Box3d box_around(const std::vector<MatchedPart>& parts) {
+  Box3d box;
+  for (const MatchedPart& part : parts) box.extend(part.box);
+  return box;
+}
 
 double difference_of(const MatchedPart& a, const MatchedPart& b, const Box3d& around_a, const Box3d& around_b) {
   // How much a step in each counts, beside one across half of everything.
@@ -44,7 +45,7 @@ std::vector<PartLink> match_children(const std::vector<MatchedPart>& from, const
   std::vector<PartLink> links = forced;
   const std::vector<size_t> a = unlinked(from.size(), forced, &PartLink::from), b = unlinked(to.size(), forced, &PartLink::to);
   if (a.empty() || b.empty()) return links;
-  const Box3d around_a = around(from), around_b = around(to);
+  const Box3d around_a = box_around(from), around_b = box_around(to);
   const bool is_turned = a.size() > b.size(); // rows are never more than columns
   const std::vector<size_t>&rows = is_turned ? b : a, &columns = is_turned ? a : b;
   std::vector<std::vector<double>> cost;
@@ -61,6 +62,50 @@ std::vector<PartLink> match_children(const std::vector<MatchedPart>& from, const
   std::sort(links.begin(), links.end(),
             [](const PartLink& x, const PartLink& y) { return std::pair(x.from, x.to) < std::pair(y.from, y.to); });
   return links;
+}
+
+std::vector<PartLink> links_in_order(size_t from, size_t to) {
+  std::vector<PartLink> links;
+  for (size_t i = 0; i < std::min(from, to); ++i) links.push_back({i, i});
+  return links;
+}
+
+void divide_leaves(std::vector<PartLink>& links, const std::vector<MatchedPart>& from, const std::vector<MatchedPart>& to) {
+  const auto can_be = [&](const PartLink& l) {
+    return from[l.from].leaves == 1 && to[l.to].leaves == 1 && common_path(from[l.from].node->kind, to[l.to].node->kind).has_value();
+  };
+  const Box3d around_from = box_around(from), around_to = box_around(to);
+  const std::vector<PartLink> whole = links;
+  const auto add = [&](size_t count, size_t PartLink::*own) {
+    for (const size_t i : unlinked(count, whole, own)) {
+      std::optional<PartLink> best;
+      double least = std::numeric_limits<double>::infinity();
+      for (PartLink link : whole) {
+        link.*own = i;
+        const double difference = difference_of(from[link.from], to[link.to], around_from, around_to);
+        if (difference < least && can_be(link)) least = difference, best = link;
+      }
+      if (best) links.push_back(*best);
+    }
+  };
+  add(from.size(), &PartLink::from), add(to.size(), &PartLink::to);
+}
+
+Anchor anchor_of(const MatchedPart& part, const std::vector<MatchedPart>& own, const std::vector<MatchedPart>& others,
+                 const std::vector<PartLink>& links, size_t PartLink::*side) {
+  size_t PartLink::*const other_side = side == &PartLink::from ? &PartLink::to : &PartLink::from;
+  const Vec3d middle = part.box.centre();
+  Anchor nearest{Vec3(middle)};
+  double least = std::numeric_limits<double>::infinity();
+  for (const PartLink& link : links) {
+    const Box3d& neighbour = own[link.*side].box;
+    const double away = glm::distance(glm::clamp(middle, neighbour.lower, neighbour.upper), middle);
+    if (away >= least) continue;
+    least = away;
+    nearest.place = Vec3(glm::clamp(neighbour.centre(), part.box.lower, part.box.upper));
+    nearest.drift = Vec3(others[link.*other_side].box.centre() - neighbour.centre());
+  }
+  return nearest;
 }
 
 } // namespace kelpie

@@ -13,6 +13,9 @@ struct MatchedPart {
   Vec3 colour{0}; ///< the mean of what its leaves are made of
 };
 
+/// All parts of a side.
+Box3d box_around(const std::vector<MatchedPart>&);
+
 /// Two children that correspond, by their places in their lists.
 struct PartLink {
   size_t from, to;
@@ -27,5 +30,21 @@ double difference_of(const MatchedPart& a, const MatchedPart& b, const Box3d& ar
 /// that remain are in no link.
 std::vector<PartLink> match_children(const std::vector<MatchedPart>& from, const std::vector<MatchedPart>& to,
                                      const std::vector<PartLink>& forced);
+
+/// Each with that of the same place, as many as the shorter list has.
+std::vector<PartLink> links_in_order(size_t from, size_t to);
+
+/// Of one leaf several come, or several become one: a leaf without a counterpart shares that of the leaf most like it.
+void divide_leaves(std::vector<PartLink>& links, const std::vector<MatchedPart>& from, const std::vector<MatchedPart>& to);
+
+/// Where a part without a counterpart comes from, or goes to: the place in it that is nearest to the nearest part that has one, and how
+/// that moves on to where its counterpart is.
+struct Anchor {
+  Vec3 place{0}, drift{0};
+};
+
+/// That of a part of its `own` side; `side` is the member of links that is its own.
+Anchor anchor_of(const MatchedPart& part, const std::vector<MatchedPart>& own, const std::vector<MatchedPart>& others,
+                 const std::vector<PartLink>& links, size_t PartLink::*side);
 
 } // namespace kelpie

@@ -41,18 +41,9 @@ public:
       : kind_(kind), pairs_(kind.pairs), frame_(frame), material_(material), where_(where) {}
 
   /// a at s = 0, b at s = 1.
-  FieldPtr build(const FieldPtr& a, const FieldPtr& b, Progress progress) {
-    for (size_t i = 0; i < pairs_.size(); ++i)
-      if (is_called(*a, pairs_[i].from) && is_called(*b, pairs_[i].to)) {
-        met_.insert(i);
-        if (pairs_[i].progress) progress = {*pairs_[i].progress, i + 1};
-      }
-    const bool are_leaves = children_of(*a).empty() && children_of(*b).empty();
-    FieldPtr out = are_leaves                   ? leaf_between(*a, *b, progress.s, material_between(*a, *b, progress), frame_)
-                   : is_warp(*a) || is_warp(*b) ? warps(a, b, progress)
-                                                : operators(a, b, progress);
-    return out ? out : exchange(a, b, progress.s);
-  }
+  FieldPtr build(const FieldPtr& a, const FieldPtr& b, const Progress& progress) { return build(a, b, progress, {.from = a, .to = b}); }
+
+  TreeMatch match() { return {frame_, log_.take()}; }
 
   void check_pairs() const {
     for (size_t i = 0; i < pairs_.size(); ++i)
@@ -65,6 +56,24 @@ public:
   }
 
 private:
+  /// The same, logged as `match`.
+  FieldPtr build(const FieldPtr& a, const FieldPtr& b, Progress progress, NodeMatch match) {
+    for (size_t i = 0; i < pairs_.size(); ++i)
+      if (is_called(*a, pairs_[i].from) && is_called(*b, pairs_[i].to)) {
+        met_.insert(i), match.by = MatchedBy::pair;
+        if (pairs_[i].progress) progress = {*pairs_[i].progress, i + 1};
+      }
+    log_.open(std::move(match));
+    const bool are_leaves = children_of(*a).empty() && children_of(*b).empty();
+    FieldPtr out = are_leaves                   ? leaf_between(*a, *b, progress.s, material_between(*a, *b, progress), frame_)
+                   : is_warp(*a) || is_warp(*b) ? warps(a, b, progress)
+                                                : operators(a, b, progress);
+    const NodeFate fate = out ? NodeFate::becomes : NodeFate::exchanged;
+    if (!out) out = exchange(a, b, progress.s);
+    log_.close(fate, *out);
+    return out;
+  }
+
   static bool is_called(const FieldNode& node, std::string_view name) { return node.name == name; }
   static bool has_below(const FieldNode& node, std::string_view name) {
     const std::vector<FieldPtr> children = children_of(node);
@@ -106,7 +115,7 @@ private:
   FieldPtr warps(const FieldPtr& a, const FieldPtr& b, const Progress& progress) {
     if (is_warp(*a) && is_warp(*b))
       if (const auto kind = mixed_kind(a->kind, b->kind, progress.s))
-        return above(*kind, *a, *b, build(children_of(*a)[0], children_of(*b)[0], progress), progress);
+        return above(*kind, *a, *b, build_below(a, b, children_of(*a)[0], children_of(*b)[0], progress), progress);
     const bool takes_a = is_warp(*a);
     const FieldPtr& warp = takes_a ? a : b;
     const std::optional<AnimatedKind> neutral = neutral_warp(warp->kind);
@@ -117,9 +126,14 @@ private:
     FieldPtr other = takes_a ? b : a; // below the warp, where what it is made of is said by the warp, if that says so
     if (warp->material) other = std::make_shared<FieldNode>(FieldNode{other->kind, other->where, nullptr, other->name});
     const FieldPtr below = children_of(*warp)[0];
-    FieldPtr child = takes_a ? build(below, other, progress) : build(other, below, progress);
+    FieldPtr child = takes_a ? build_below(a, nullptr, below, other, progress) : build_below(nullptr, b, other, below, progress);
     if (!warp->material) return above(*kind, *warp, *warp, std::move(child), progress);
     return above(*kind, *a, *b, std::move(child), progress);
+  }
+
+  /// What is made of two nodes of which one, or each, has been come to through a warp.
+  FieldPtr build_below(const FieldPtr& from_warp, const FieldPtr& to_warp, const FieldPtr& a, const FieldPtr& b, const Progress& progress) {
+    return build(a, b, progress, {.from = a, .to = b, .from_warp = from_warp, .to_warp = to_warp});
   }
 
   /// A warp that was made of two nodes, of which one may be no warp.
@@ -287,33 +301,41 @@ private:
     return links;
   }
 
-  static std::vector<PartLink> in_order(size_t from, size_t to) {
-    std::vector<PartLink> links;
-    for (size_t i = 0; i < std::min(from, to); ++i) links.push_back({i, i});
-    return links;
-  }
-
   void join(std::vector<FieldPtr>& children, const Common& both, const Progress& progress) {
     if (both.from.size() * both.to.size() > k_most_comparisons)
       throw Error(ExitStatus::bad_data,
                   fmt::format("animorphosis: operators of {} and {} parts are too many to match", both.from.size(), both.to.size()),
                   where_);
     const std::vector<MatchedPart> from = parts_of(both.from), to = parts_of(both.to);
-    std::vector<PartLink> links =
-        is_smooth(both.kind) ? in_order(from.size(), to.size()) : match_children(from, to, forced(both.from, both.to));
-    if (one_over_n(FieldNode{both.kind, {}, {}, {}})) divide(links, from, to);
-    const auto count = [&](auto side, size_t i) {
-      return std::count_if(links.begin(), links.end(), [&](const PartLink& l) { return l.*side == i; });
+    const std::vector<PartLink> pairs = forced(both.from, both.to);
+    const bool keeps_order = is_smooth(both.kind);
+    std::vector<PartLink> links = keeps_order ? links_in_order(from.size(), to.size()) : match_children(from, to, pairs);
+    const size_t undivided = links.size();
+    if (one_over_n(FieldNode{both.kind, {}, {}, {}})) divide_leaves(links, from, to);
+    const auto ways = [&](auto side, size_t i) {
+      return size_t(std::count_if(links.begin(), links.end(), [&](const PartLink& l) { return l.*side == i; }));
     };
-    for (const PartLink& link : links)
-      children.push_back(build(share(both.from[link.from], count(&PartLink::from, link.from), both.kind),
-                               share(both.to[link.to], count(&PartLink::to, link.to), both.kind), progress));
+    const Box3d around_from = box_around(from), around_to = box_around(to);
+    for (size_t l = 0; l < links.size(); ++l) {
+      const auto [i, j] = links[l];
+      const bool is_forced = std::find(pairs.begin(), pairs.end(), links[l]) != pairs.end();
+      const NodeMatch match{.from = both.from[i],
+                            .to = both.to[j],
+                            .by = l >= undivided ? MatchedBy::division
+                                  : is_forced    ? MatchedBy::pair
+                                  : keeps_order  ? MatchedBy::place
+                                                 : MatchedBy::difference,
+                            .difference = difference_of(from[i], to[j], around_from, around_to),
+                            .from_ways = ways(&PartLink::from, i),
+                            .to_ways = ways(&PartLink::to, j)};
+      children.push_back(build(share(match.from, match.from_ways, both.kind), share(match.to, match.to_ways, both.kind), progress, match));
+    }
     for (size_t i = 0; i < from.size(); ++i)
-      if (!count(&PartLink::from, i))
-        children.push_back(shrunk(both.from[i], anchor(from[i], from, to, links, &PartLink::from), progress.s));
+      if (!ways(&PartLink::from, i))
+        children.push_back(loose(NodeFate::shrinks, both.from[i], anchor_of(from[i], from, to, links, &PartLink::from), progress.s));
     for (size_t j = 0; j < to.size(); ++j)
-      if (!count(&PartLink::to, j))
-        children.push_back(shrunk(both.to[j], anchor(to[j], to, from, links, &PartLink::to), rest_of(progress.s)));
+      if (!ways(&PartLink::to, j))
+        children.push_back(loose(NodeFate::grows, both.to[j], anchor_of(to[j], to, from, links, &PartLink::to), rest_of(progress.s)));
   }
 
   /// Whether the field of a tree is multiplied when the weights of its leaves are: nothing in it looks at the threshold.
@@ -323,34 +345,8 @@ private:
     return std::all_of(children.begin(), children.end(), [](const FieldPtr& c) { return is_linear(*c); });
   }
 
-  /// Of one leaf several come, or several become one: where one side has fewer, a leaf without a counterpart shares that of the leaf like
-  /// it.
-  static void divide(std::vector<PartLink>& links, const std::vector<MatchedPart>& from, const std::vector<MatchedPart>& to) {
-    const auto can_be = [&](const PartLink& l) {
-      return from[l.from].leaves == 1 && to[l.to].leaves == 1 && common_path(from[l.from].node->kind, to[l.to].node->kind).has_value();
-    };
-    Box3d around_from, around_to;
-    for (const MatchedPart& part : from) around_from.extend(part.box);
-    for (const MatchedPart& part : to) around_to.extend(part.box);
-    const std::vector<PartLink> whole = links;
-    const auto add = [&](size_t count, auto own) {
-      for (size_t i = 0; i < count; ++i) {
-        if (std::any_of(whole.begin(), whole.end(), [&](const PartLink& l) { return l.*own == i; })) continue;
-        std::optional<PartLink> best;
-        double least = std::numeric_limits<double>::infinity();
-        for (PartLink link : whole) {
-          link.*own = i;
-          const double difference = difference_of(from[link.from], to[link.to], around_from, around_to);
-          if (difference < least && can_be(link)) least = difference, best = link;
-        }
-        if (best) links.push_back(*best);
-      }
-    };
-    add(from.size(), &PartLink::from), add(to.size(), &PartLink::to);
-  }
-
   /// A part that goes several ways: its copies together are what it was. In a hyper-blend n copies of weight w / n^(1/n') are one.
-  FieldPtr share(const FieldPtr& node, std::ptrdiff_t ways, const AnimatedKind& in) const {
+  FieldPtr share(const FieldPtr& node, size_t ways, const AnimatedKind& in) const {
     if (ways < 2) return node;
     const auto refuse = [&] {
       throw Error(ExitStatus::bad_data, fmt::format("pairs: \"{}\" cannot be divided where it stands, or cannot be weighted", node->name),
@@ -367,29 +363,6 @@ private:
     return copy;
   }
 
-  /// Where a part without a counterpart comes from, or goes to: the place in it that is nearest to the nearest part that has one, and how
-  /// that moves on to where its counterpart is.
-  struct Anchor {
-    Vec3 place{0}, drift{0};
-  };
-  template <class Member>
-  static Anchor anchor(const MatchedPart& part, const std::vector<MatchedPart>& own, const std::vector<MatchedPart>& others,
-                       const std::vector<PartLink>& links, Member side) {
-    const Member other_side = side == &PartLink::from ? &PartLink::to : &PartLink::from;
-    const Vec3d middle = part.box.centre();
-    Anchor nearest{Vec3(middle)};
-    double least = std::numeric_limits<double>::infinity();
-    for (const PartLink& link : links) {
-      const Box3d& neighbour = own[link.*side].box;
-      const double away = glm::distance(glm::clamp(middle, neighbour.lower, neighbour.upper), middle);
-      if (away >= least) continue;
-      least = away;
-      nearest.place = Vec3(glm::clamp(neighbour.centre(), part.box.lower, part.box.upper));
-      nearest.drift = Vec3(others[link.*other_side].box.centre() - neighbour.centre());
-    }
-    return nearest;
-  }
-
   /// A part that is whole at s = 0 and gone at s = 1: it draws in to a place, goes with its neighbour, and at last loses its weight.
   static FieldPtr shrunk(const FieldPtr& node, const Anchor& to, const Animated<float>& s) {
     static constexpr float k_least = 0.02f, k_least_unfaded = 1e-4f, k_fading = 0.1f;
@@ -401,6 +374,14 @@ private:
     const auto by = computed<Vec3>([drift = to.drift](float t) { return drift * t; }, s);
     FieldPtr out = node_of(Translate<A>{by, scaled}, *node);
     out->material = scaled->material = nullptr;
+    return out;
+  }
+
+  /// Without a counterpart; `s` as shrunk() has it.
+  FieldPtr loose(NodeFate fate, const FieldPtr& node, const Anchor& to, const Animated<float>& s) {
+    log_.open(fate == NodeFate::shrinks ? NodeMatch{.from = node, .place = to.place} : NodeMatch{.to = node, .place = to.place});
+    FieldPtr out = shrunk(node, to, s);
+    log_.close(fate, *out);
     return out;
   }
 
@@ -421,6 +402,7 @@ private:
   SourcePosition where_;
   std::map<std::tuple<const MaterialNode*, const MaterialNode*, size_t>, MaterialPtr> materials_;
   std::set<size_t> met_; ///< of pairs_
+  MatchLog log_;
 };
 
 void collect_names(const FieldNode& node, std::vector<std::string_view>& names) {
@@ -447,14 +429,14 @@ double middle_frame(const Animated<float>& progress) {
 
 } // namespace
 
-FieldPtr generic_tree(const Animorphosis<A>& kind, const TreePlace& place, const SourcePosition& where) {
+GenericTree generic_tree(const Animorphosis<A>& kind, const TreePlace& place, const SourcePosition& where) {
   const FieldPtr from = plain_tree(*kind.from, place), to = plain_tree(*kind.to, place);
   if (kind.pairs.size() > k_most_pairs) throw Error(ExitStatus::bad_data, fmt::format("pairs: more than {}", k_most_pairs), where);
   for (const NodePair<A>& pair : kind.pairs) check_name(pair.from, *from, "from", pair.where), check_name(pair.to, *to, "to", pair.where);
   Builder builder(kind, middle_frame(kind.progress), place.material, where);
-  FieldPtr tree = builder.build(from, to, {kind.progress});
+  FieldPtr root = builder.build(from, to, {kind.progress});
   builder.check_pairs();
-  return tree;
+  return {std::move(root), builder.match()};
 }
 
 } // namespace kelpie

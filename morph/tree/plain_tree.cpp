@@ -127,35 +127,40 @@ Box3d finite(const Box3d& box) {
   return {glm::clamp(box.lower, Vec3d(-k_far), Vec3d(k_far)), glm::clamp(box.upper, Vec3d(-k_far), Vec3d(k_far))};
 }
 
+/// Around the pieces of a leaf, or around images of what is below.
 template <template <class> class Kind>
-Box3d own_box(const Kind<A>& kind, double frame, const Box3d& below) {
+std::vector<Box3d> own_boxes(const Kind<A>& kind, double frame, std::vector<Box3d> below) {
   const std::array<unsigned, 1> child{0};
   const std::array<MaterialIndex, 4> materials{};
   using K = Kind<SampledMode>;
-  Box3d box;
   const auto sampled = [&] { return sample_record(kind, frame, child.data(), materials.data()); };
-  const auto extend = [&](const auto& piece) {
+  std::vector<Box3d> boxes;
+  const auto add = [&](const auto& piece) {
     const Box3 support = piece.support();
-    box.extend(Box3d{Vec3d(support.lower), Vec3d(support.upper)});
+    boxes.push_back({Vec3d(support.lower), Vec3d(support.upper)});
   };
   if constexpr (BlobSource<K>) {
     BlobCloud cloud;
     sampled().append_blobs(cloud);
-    for (const Blob& b : cloud) box.extend(Box3d{Vec3d(b.centre) - double(b.radius), Vec3d(b.centre) + double(b.radius)});
+    for (const Blob& b : cloud) boxes.push_back({Vec3d(b.centre) - double(b.radius), Vec3d(b.centre) + double(b.radius)});
   } else if constexpr (ComplexPrimitive<K>) {
     const K k = sampled();
-    k.for_each_piece(k.divisions(), extend);
-    if constexpr (requires { k.parent_from_pieces(); }) box = image_of(k.parent_from_pieces(), box);
+    k.for_each_piece(k.divisions(), add);
+    if constexpr (requires { k.parent_from_pieces(); })
+      for (Box3d& box : boxes) box = image_of(k.parent_from_pieces(), box);
   } else if constexpr (Skeleton<K>) {
-    extend(sampled());
+    add(sampled());
   } else if constexpr (requires(const K k) { k.parent_from_child(); }) {
-    box = image_of(sampled().parent_from_child(), below);
+    const Affine map = sampled().parent_from_child();
+    for (const Box3d& box : below) boxes.push_back(image_of(map, box));
   } else if constexpr (Warp<K>) {
-    box = sampled().image_of(below);
+    const K warp = sampled();
+    for (const Box3d& box : below) boxes.push_back(warp.image_of(box));
   } else {
-    box = below;
+    boxes = std::move(below);
   }
-  return finite(box);
+  for (Box3d& box : boxes) box = finite(box);
+  return boxes;
 }
 
 } // namespace
@@ -187,10 +192,24 @@ std::vector<FieldPtr> children_of(const FieldNode& node) {
   return children;
 }
 
+std::vector<Box3d> boxes_of_node(const FieldNode& node, double frame, const std::vector<Box3d>& below) {
+  return std::visit([&](const auto& kind) { return own_boxes(kind, frame, below); }, node.kind);
+}
+
 Box3d box_of_tree(const FieldNode& root, double frame) {
-  Box3d below;
+  Box3d below, box;
   for (const FieldPtr& child : children_of(root)) below.extend(box_of_tree(*child, frame));
-  return std::visit([&](const auto& kind) { return own_box(kind, frame, below); }, root.kind);
+  for (const Box3d& own : boxes_of_node(root, frame, {below})) box.extend(own);
+  return finite(box);
+}
+
+std::vector<Box3d> boxes_of_tree(const FieldNode& root, double frame) {
+  std::vector<Box3d> below;
+  for (const FieldPtr& child : children_of(root)) {
+    const std::vector<Box3d> boxes = boxes_of_tree(*child, frame);
+    below.insert(below.end(), boxes.begin(), boxes.end());
+  }
+  return boxes_of_node(root, frame, below);
 }
 
 size_t leaf_count(const FieldNode& root) {

@@ -31,6 +31,12 @@ std::vector<FieldPtr> children_of(const FieldNode& node);
 /// Around where the field of a plain tree may differ from 0, at a frame.
 Box3d box_of_tree(const FieldNode& root, double frame);
 
+/// Around what a node makes of what is below it: of a leaf its pieces, of a warp the images of `below`, of an operator `below` itself.
+std::vector<Box3d> boxes_of_node(const FieldNode&, double frame, const std::vector<Box3d>& below);
+
+/// Those of all leaves of a plain tree.
+std::vector<Box3d> boxes_of_tree(const FieldNode& root, double frame);
+
 size_t leaf_count(const FieldNode& root);
 
 } // namespace kelpie

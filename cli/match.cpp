@@ -1,0 +1,133 @@
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/atomic_file.h"
+#include "base/standard_streams.h"
+#include "base/suggest.h"
+#include "cli/command.h"
+#include "cli/failure.h"
+#include "cli/match_text.h"
+#include "cli/read_options.h"
+#include "morph/field_fold.h"
+
+namespace kelpie {
+
+namespace {
+
+struct MatchOptions {
+  std::string scene, shape, output;
+  std::optional<int> frame;
+  ReadOptions read;
+};
+
+/// Each part once: one between two falloffs is two blobs, of which one has no weight yet.
+MatchedLiquid matched(const LiquidMorph& morph, const SourcePosition& where) {
+  BlobCloud from, to;
+  morph.append_parts(0, from), morph.append_parts(1, to);
+  MatchedLiquid liquid{where, {}, {}, {}};
+  for (size_t i = 0; i < from.size(); ++i)
+    if (from[i].weight != 0) liquid.from.push_back(from[i]), liquid.to.push_back(to[i]);
+  return liquid;
+}
+
+std::vector<MatchedLiquid> liquids_of(const Scene& scene) {
+  std::map<const FieldNode*, MatchedLiquid> found;
+  for (const Shape& shape : scene.shapes) {
+    const auto visit = [&]<class Kind>(const FieldNode& node, const Kind& kind, const auto&...) {
+      if constexpr (std::is_same_v<Kind, Liquid<AnimatedMode>>) {
+        MatchedLiquid& liquid = found.try_emplace(&node, matched(*kind.morph, node.where)).first->second;
+        if (liquid.shapes.empty() || liquid.shapes.back() != shape.name) liquid.shapes.push_back(shape.name);
+      }
+      return 0;
+    };
+    for (const FieldPtr& tree : {shape.field, shape.texture})
+      if (tree) FieldFold<int>(PartsShared::always)(*tree, visit);
+  }
+  std::vector<MatchedLiquid> liquids;
+  for (auto& [node, liquid] : found) liquids.push_back(std::move(liquid));
+  const auto place = [](const MatchedLiquid& l) { return std::tuple(l.where.file, l.where.line, l.where.column); };
+  std::sort(liquids.begin(), liquids.end(), [&](const MatchedLiquid& a, const MatchedLiquid& b) { return place(a) < place(b); });
+  return liquids;
+}
+
+/// Leaves what is in one shape: the one that is named, else the only one that changes into something.
+void choose_shape(MatchReport& report, const Scene& scene, const MatchOptions& o) {
+  std::vector<std::string_view> all, changing;
+  const auto is_in = [](const auto& match, std::string_view shape) {
+    return std::find(match.shapes.begin(), match.shapes.end(), shape) != match.shapes.end();
+  };
+  const auto changes = [&](std::string_view shape) {
+    const auto is_in_it = [&](const auto& match) { return is_in(match, shape); };
+    return std::any_of(report.trees.begin(), report.trees.end(), is_in_it) ||
+           std::any_of(report.liquids.begin(), report.liquids.end(), is_in_it);
+  };
+  for (const Shape& shape : scene.shapes) {
+    all.push_back(shape.name);
+    if (changes(shape.name)) changing.push_back(shape.name);
+  }
+  if (!o.shape.empty() && std::find(all.begin(), all.end(), o.shape) == all.end())
+    throw Error(ExitStatus::usage, fmt::format("no shape is called \"{}\"{}", o.shape, suggestion(o.shape, all)));
+  if (changing.empty()) throw Error(ExitStatus::bad_data, "no shape has an animorphosis or a liquid", {o.scene});
+  if (o.shape.empty() && changing.size() > 1)
+    throw Error(ExitStatus::usage, fmt::format("which shape? One of {}", fmt::join(changing, ", ")));
+  if (!o.shape.empty() && !changes(o.shape))
+    throw Error(ExitStatus::usage,
+                fmt::format("\"{}\" has no animorphosis or liquid: of all shapes only {}", o.shape, fmt::join(changing, ", ")));
+  const std::string_view chosen = o.shape.empty() ? changing.front() : o.shape;
+  const auto is_elsewhere = [&](const auto& match) { return !is_in(match, chosen); };
+  std::erase_if(report.trees, is_elsewhere), std::erase_if(report.liquids, is_elsewhere);
+}
+
+void match(const MatchOptions& o) {
+  require_writable(o.output);
+  set_activity(fmt::format("reading {}", o.scene));
+  Diagnostics diagnostics;
+  MatchReport report{o.scene, o.frame, {}, {}};
+  const Scene scene = read_scene_and_trees(o.scene, o.read, diagnostics, report.trees);
+  print_warnings(diagnostics);
+  const auto [first, last, fps] = scene.frames;
+  if (o.frame && (*o.frame < first || *o.frame > last))
+    throw Error(ExitStatus::usage, fmt::format("-f: frame {} is not one of the scene's, which are {} to {}", *o.frame, first, last));
+  report.liquids = liquids_of(scene);
+  choose_shape(report, scene, o);
+  const bool is_picture = std::filesystem::path(o.output).extension() == ".svg";
+  const std::string bytes = is_picture ? match_picture(report) : match_json(report);
+  write_files_atomically({{o.output, bytes}});
+  print_result(match_summary(report));
+}
+
+std::string ending_problem(const std::string& name) {
+  const std::string ending = std::filesystem::path(name).extension().string();
+  return ending == ".json" || ending == ".svg" ? "" : fmt::format("\"{}\" must end in .json or .svg", name);
+}
+
+} // namespace
+
+void add_match(CLI::App& app) {
+  auto options = std::make_shared<MatchOptions>();
+  CLI::App& command = *app.add_subcommand("match", "which parts of a shape become which: of an animorphosis or a liquid (JSON, SVG)");
+  command.footer(
+      R"(A `.json` says of each match of an animorphosis, level by level, who corresponds (`by` a forced pair, by the least difference, by division of
+a leaf, or by their places), how much they differ, what share of a divided node goes this way, and to what place what has no counterpart
+shrinks, or from where it grows; of a liquid the pairs of blobs, and how much flows from the one to the other. A `.svg` shows both ends side
+by side, with a line from each part to what it becomes. Places are in the space of the animorphosis, or of the liquid.
+
+Examples:
+  kelpie match fish_to_bird.json -o match.svg
+  kelpie match zoo.json dragon -f 40 -o match.json)");
+  command.add_option("SCENE", options->scene, "the scene file (JSON)")->required();
+  command.add_option("SHAPE", options->shape, "the shape [the only one with an animorphosis or a liquid]");
+  command.add_option("-o,--output", options->output, "the file to write: .json (data) or .svg (a picture)")
+      ->required()
+      ->check(CLI::Validator([](std::string& name) { return ending_problem(name); }, ""))
+      ->option_text("OUT.{json,svg}");
+  command.add_option("-f,--frame", options->frame, "the frame at which places are shown [half way through the morph]")->option_text("N");
+  add_read_options(command, options->read);
+  add_recipe_option(command, options->read);
+  command.callback([options] { match(*options); });
+}
+
+} // namespace kelpie
