@@ -25,6 +25,13 @@ public:
     return value;
   }
 
+  /// 0 where the features of a pattern are far larger than the footprint, 1 where they are smaller.
+  float fineness_of(MaterialIndex pattern) const {
+    float fineness = 0;
+    visit(pattern, [&](const auto& kind) { fineness = std::min(1.f, place().scaled(1 / kind.size).width()); });
+    return fineness;
+  }
+
   void add(MaterialIndex material, float weight) const {
     if (weight > 0) add_material(all_, material, p_, footprint_, weight, mix_);
   }
@@ -94,11 +101,11 @@ float share_of_sums_below(float x) {
   return 1 - (1 + k - x) * (1 + k - x) / (2 * k);
 }
 
-/// How much of a place is already `to`: `late` is its place in the order of growth, in [0, 1].
-float grown_part(const Spot& spot, float late, float patch_size, float s) {
+/// How much of a place is already `to`: `late` is its place in the order of growth, in [0, 1], of a pattern that is so fine.
+float grown_part(const Spot& spot, float late, float fineness, float patch_size, float s) {
   const Place place = spot.place().scaled(1 / patch_size);
   const float patches = normal_below(place.noise({.octaves = 2, .seed = 0x7a7c4}).value);
-  const float order = share_of_sums_below(late + k_patchiness * patches);
+  const float order = glm::mix(share_of_sums_below(late + k_patchiness * patches), patches, fineness); // from afar all is as late
   const float border = glm::mix(k_border, 1.f, std::min(1.f, place.width())); // what is finer than a pixel is its mean
   const float x = std::clamp((s * (1 + 2 * border) - border - order) / (2 * border) + 0.5f, 0.f, 1.f);
   return x * x * (3 - 2 * x);
@@ -109,16 +116,21 @@ void add_growth(const Spot& spot, const Transition<SampledMode>& t, float s, flo
   const auto &from = t.tables->from, &to = t.tables->to;
   const float value_from = from ? spot.value_of(t.from) : 0, value_to = to ? spot.value_of(t.to) : 0;
   const float share_from = from ? from->share_below(value_from) : 0, share_to = to ? to->share_below(value_to) : 0;
-  const float part = grown_part(spot, to ? 1 - share_to : share_from, t.patch_size.value_or(1.f), s);
+  const float fine_from = from ? spot.fineness_of(t.from) : 0, fine_to = to ? spot.fineness_of(t.to) : 0;
+  const float part = grown_part(spot, to ? 1 - share_to : share_from, to ? fine_to : fine_from, t.patch_size.value_or(1.f), s);
   if (!from || !to) {
     spot.add(t.from, weight * (1 - part));
     spot.add(t.to, weight * part);
     return;
   }
   const auto other_side = [&](float share) { return t.tables->is_opposed ? 1 - share : share; };
+  const auto add_other = [&](MaterialIndex pattern, float value, float fineness, float w) {
+    spot.add_at(pattern, value, w * (1 - fineness));
+    spot.add(pattern, w * fineness); // what is finer than a pixel is its mean
+  };
   spot.add(t.from, weight * (1 - part) * (1 - s));
-  spot.add_at(t.to, to->value_at(other_side(share_from)), weight * (1 - part) * s);
-  spot.add_at(t.from, from->value_at(other_side(share_to)), weight * part * (1 - s));
+  add_other(t.to, to->value_at(other_side(share_from)), fine_from, weight * (1 - part) * s);
+  add_other(t.from, from->value_at(other_side(share_to)), fine_to, weight * part * (1 - s));
   spot.add(t.to, weight * part * s);
 }
 

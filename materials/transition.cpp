@@ -77,12 +77,13 @@ PhaseRanks ranked_phases(const MaterialNode& material, double frame) {
     for (size_t i = 0; i < k_phases; ++i) value[i] = pattern.value_of_phase((float(i) + 0.5f) / k_phases);
   });
   with_lightness(material, frame, [&](const auto& lightness) { std::transform(value.begin(), value.end(), light.begin(), lightness); });
+  const auto look = [&](uint32_t phase) { return std::pair(light[phase], value[phase]); }; // what is as light may differ in other things
   std::vector<uint32_t> order(k_phases);
   std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return light[a] < light[b]; });
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return look(a) < look(b); });
   ranks.darker.resize(k_phases);
-  for (size_t first = 0, last = 0; first < k_phases; first = last) { // those that are as light have one rank
-    while (last < k_phases && light[order[last]] == light[order[first]]) ++last;
+  for (size_t first = 0, last = 0; first < k_phases; first = last) { // those that look alike have one rank
+    while (last < k_phases && look(order[last]) == look(order[first])) ++last;
     for (size_t i = first; i < last; ++i) ranks.darker[order[i]] = float(first + last) / (2 * k_phases);
   }
   for (const uint32_t phase : order) ranks.values.push_back(value[phase]);

@@ -71,11 +71,15 @@ bool RecordReader::read(MaterialPtr& out, const JsonValue& v, const ParameterRul
 /// A pattern without stops has those of its kind; others ascend, at least at all their keys. What a transition does not say is chosen.
 template <class Kind>
 bool RecordReader::complete(Kind& kind, const JsonValue& v) {
-  if constexpr (std::is_same_v<Kind, Transition<AnimatedMode>>) complete_transition(kind, 0);
+  if constexpr (std::is_same_v<Kind, Transition<AnimatedMode>>) try {
+      complete_transition(kind, frames_to_check().front());
+    } catch (const Error& e) {
+      return fail(v, e.what());
+    }
   if constexpr (requires { kind.stops; }) {
     if (v.find("stops") && kind.stops.empty()) return fail(*v.find("stops"), "stops may not be empty");
     if (kind.stops.empty()) {
-      for (const PlainStop& plain : Kind::k_default_stops) kind.stops.push_back(stop_of(plain, kind.size.at(0)));
+      for (const PlainStop& plain : Kind::k_default_stops) kind.stops.push_back(stop_of(plain, kind.size.at(frames_to_check().front())));
       return true;
     }
     std::set<double> frames;

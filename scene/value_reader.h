@@ -80,6 +80,8 @@ protected:
 
   /// A variable of the scene, read when it is first asked for; null where it cannot be used, which has been reported.
   const Animated<float>* variable(const std::string& name, const JsonValue&);
+  /// The moments for which a formula is checked before anything is made of it.
+  std::vector<double> frames_to_check() const;
 
 private:
   template <class T>
@@ -112,8 +114,6 @@ private:
   bool read_formula(Animated<float>& out, const JsonValue&, const ParameterRules&);
   const Variable* named_variable(const std::string& name, const JsonValue& expression);
   std::string chain_of_variables(const std::string& name) const;
-  /// The moments for which a formula is checked before anything is made of it.
-  std::vector<double> frames_to_check() const;
 
   int read_name(const JsonValue&, const ParameterRules&, std::span<const std::string_view> names);
   bool read_triple(Vec3& out, const JsonValue&, std::string_view name, std::string_view expected);

@@ -5,7 +5,7 @@
 
 namespace kelpie {
 
-/// How a material becomes another that is not of its kind: one grows through the other along the features of a pattern, or all of it fades.
+/// How a material becomes another that is not of its kind: as a transition does by itself, or all of it fades.
 enum class MaterialChange { grow, dissolve };
 
 template <>
@@ -46,13 +46,13 @@ struct Animorphosis {
       "pairs": [{ "from": "left foot", "to": "left claw" }] }
 
 At `progress` 0 it is `from`, at 1 it is `to`, both as they move; between, a tree that has both in it. Level by level, each part of the
-one gets its counterpart in the other, so that all together differ least in place, size, kind and name; `pairs` forces some. Numbers and
+one gets its counterpart in the other, so that all together differ least in place, size, kind, name and colour; `pairs` forces some. Numbers and
 places go straight, directions turn. A skeleton becomes one of another kind within a kind that has both as special cases (a cylinder and
 a cone), or else through a special case of both (a cylinder, a segment, a box). A part without a counterpart grows out of its
 neighbour, or back into it. A blend becomes a union as a hyper-blend whose n grows; warps start from where they do nothing. What
 cannot be matched shrinks away while the other grows. Materials of the same kind mix their numbers, so veins stay veins. Of different
-kinds, if either is a pattern, one spreads through the other along that pattern's features; if both are plain, they fade. Both trees
-have the threshold of the shape that they stand in. Source: Barbier, Galin, Akkouche, animorphosis; methods.md section 2.)";
+kinds they make a `transition`: veins become rings, or one spreads through the other; if both are plain, they fade. Both trees have
+the threshold of the shape that they stand in. Source: Barbier, Galin, Akkouche, animorphosis; methods.md section 2.)";
 
   typename Mode::Child from{}, to{};
   Value<Mode, float> progress{0.f};
@@ -67,7 +67,7 @@ have the threshold of the shape that they stand in. Source: Barbier, Galin, Akko
         parameter("progress", &A::progress, "how far it has come").at_least(0).at_most(1).required(),
         parameter("pairs", &A::pairs, "nodes that correspond, whatever their places"),
         parameter("materials", &A::materials,
-                  "how a material becomes one of another kind. grow: along the features of a pattern; dissolve: all of it fades"),
+                  "how a material becomes one of another kind. grow: by a `transition`; dissolve: all of it fades"),
     };
   }
 };

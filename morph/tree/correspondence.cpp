@@ -91,6 +91,11 @@ void divide_leaves(std::vector<PartLink>& links, const std::vector<MatchedPart>&
   add(from.size(), &PartLink::from), add(to.size(), &PartLink::to);
 }
 
+Vec3 drift_between(const Box3d& from, const Box3d& to) {
+  constexpr double k_endless = 1e5; // of what has no end nobody knows where it is
+  return from.diagonal() < k_endless && to.diagonal() < k_endless ? Vec3(to.centre() - from.centre()) : Vec3(0);
+}
+
 Anchor anchor_of(const MatchedPart& part, const std::vector<MatchedPart>& own, const std::vector<MatchedPart>& others,
                  const std::vector<PartLink>& links, size_t PartLink::*side) {
   size_t PartLink::*const other_side = side == &PartLink::from ? &PartLink::to : &PartLink::from;
@@ -103,7 +108,7 @@ Anchor anchor_of(const MatchedPart& part, const std::vector<MatchedPart>& own, c
     if (away >= least) continue;
     least = away;
     nearest.place = Vec3(glm::clamp(neighbour.centre(), part.box.lower, part.box.upper));
-    nearest.drift = Vec3(others[link.*other_side].box.centre() - neighbour.centre());
+    nearest.drift = drift_between(neighbour, others[link.*other_side].box);
   }
   return nearest;
 }

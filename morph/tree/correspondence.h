@@ -43,7 +43,10 @@ struct Anchor {
   Vec3 place{0}, drift{0};
 };
 
-/// That of a part of its `own` side; `side` is the member of links that is its own.
+/// How far it is from the middle of one box to that of another; 0 where one of them has no end.
+Vec3 drift_between(const Box3d& from, const Box3d& to);
+
+/// The anchor of a part of its `own` side; `side` is the member of links that is its own.
 Anchor anchor_of(const MatchedPart& part, const std::vector<MatchedPart>& own, const std::vector<MatchedPart>& others,
                  const std::vector<PartLink>& links, size_t PartLink::*side);
 

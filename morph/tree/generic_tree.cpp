@@ -170,7 +170,7 @@ private:
     FieldPtr region = weighted_tree(*local.region, how_local);
     if (!region || std::holds_alternative<Union<A>>(other.kind)) return region;
     Point<A> everywhere; // no place is far from its middle; above 1 a region counts as 1
-    everywhere.radius = 1e6f;
+    everywhere.radius = 1e9f;
     everywhere.weight = computed<float>([](float t) { return std::min(1.f, 1 - t) * 1.0001f; }, how_local);
     return node_of(Blend<A>{{region, node_of(everywhere, *region)}}, *region);
   }
@@ -277,16 +277,18 @@ private:
     std::vector<MatchedPart> parts;
     for (const FieldPtr& node : nodes) {
       const size_t leaves = leaf_count(*node);
-      parts.push_back({node.get(), box_of_tree(*node, frame_), leaves, colours_of(*node) / float(leaves)});
+      parts.push_back({node.get(), box_of_tree(*node, frame_), leaves, colours_of(*node, material_) / float(leaves)});
     }
     return parts;
   }
-  /// The sum of those of all leaves.
-  Vec3 colours_of(const FieldNode& node) const {
-    Vec3 sum(0);
+  /// The sum of those of all leaves; `above`: what they are made of if nothing else says so.
+  Vec3 colours_of(const FieldNode& node, const MaterialPtr& above) const {
+    const MaterialPtr& material = node.material ? node.material : above;
     const std::vector<FieldPtr> children = children_of(node);
-    for (const FieldPtr& child : children) sum += colours_of(*child);
-    return children.empty() ? mean_colour(node.material ? *node.material : *material_, frame_) : sum;
+    if (children.empty()) return mean_colour(*material, frame_);
+    Vec3 sum(0);
+    for (const FieldPtr& child : children) sum += colours_of(*child, material);
+    return sum;
   }
 
   std::vector<PartLink> forced(const std::vector<FieldPtr>& from, const std::vector<FieldPtr>& to) const {
@@ -387,8 +389,9 @@ private:
 
   /// What have nothing in common: the one goes while the other comes, in one place that moves from that of the one to that of the other.
   FieldPtr exchange(const FieldPtr& a, const FieldPtr& b, const Animated<float>& s) const {
-    const Vec3 place_a(box_of_tree(*a, frame_).centre()), place_b(box_of_tree(*b, frame_).centre());
-    std::vector<FieldPtr> both{shrunk(a, {place_a, place_b - place_a}, s), shrunk(b, {place_b, place_a - place_b}, rest_of(s))};
+    const Box3d box_a = box_of_tree(*a, frame_), box_b = box_of_tree(*b, frame_);
+    const Vec3 drift = drift_between(box_a, box_b);
+    std::vector<FieldPtr> both{shrunk(a, {Vec3(box_a.centre()), drift}, s), shrunk(b, {Vec3(box_b.centre()), -drift}, rest_of(s))};
     const bool is_sum = may_carve(*a) || may_carve(*b); // a union would count that as 0
     FieldPtr out = is_sum ? node_of(Blend<A>{std::move(both)}, *a) : node_of(Union<A>{BooleanFormula::sharp, std::move(both)}, *a);
     out->material = nullptr;

@@ -38,11 +38,12 @@ public:
     return found;
   }
 
-  /// The volume of what lies no farther from the skeleton.
+  /// The volume of what lies no farther from the skeleton; 0 if it is too thin in its box to be measured.
   double volume(double distance) const {
+    constexpr std::ptrdiff_t k_least = 64;
     const auto [all, squared] = squared_distances(distance);
     const auto inside = std::count_if(squared.begin(), squared.end(), [&](double d2) { return d2 <= distance * distance; });
-    return all * double(inside) / double(k_points);
+    return inside < k_least ? 0 : all * double(inside) / double(k_points);
   }
 
   /// How far from the skeleton a solid of this volume ends: no farther than the radius of a ball of it.
@@ -117,7 +118,10 @@ Curve<float> factor_for_volume(const SkeletonPath& path, double frame) {
   const AnimatedKind &start = path.stages.front().from, &end = path.stages.back().to;
   const auto from = Solid(start, frame).radii(), to = Solid(end, frame).radii();
   if (!from || !to) return constant_one();
+  if (from->second / from->first != to->second / to->first) return constant_one(); // of other falloffs, of which both are there on the way
   const double start_volume = Solid(start, frame).volume(from->second), end_volume = Solid(end, frame).volume(to->second);
+
+  if (start_volume == 0 || end_volume == 0) return constant_one();
 
   std::vector<Key<float>> keys{{0, 1.f, {}}};
   for (int i = 1; i < k_steps; ++i) {
@@ -127,7 +131,8 @@ Curve<float> factor_for_volume(const SkeletonPath& path, double frame) {
     const Solid solid(*kind, frame);
     const double distance = solid.distance_of((1 - s) * start_volume + s * end_volume);
     const std::optional<std::pair<double, double>> plain = solid.radii();
-    keys.push_back({s, float(distance / plain->second), {}});
+    constexpr double k_least = 0.1; // where the bare skeleton is larger than the solid shall be
+    keys.push_back({s, float(std::max(k_least, distance / plain->second)), {}});
   }
   keys.push_back({1, 1.f, {}});
   return Curve<float>(std::move(keys), Interpolation::smooth);

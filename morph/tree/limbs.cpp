@@ -63,6 +63,8 @@ std::array<double, 4> bezier_points(std::span<const double> powers, double u, do
 }
 
 int piece_count(const Limb& limb) {
+  constexpr size_t k_most_points = 1000; // their weights are a square table
+  if (limb.points.size() > k_most_points) return 0;
   const std::vector<double> points(limb.points.size());
   const auto curve = Spline<double>::make(limb.curve, points);
   return curve.degree() >= 1 && curve.degree() <= 3 ? curve.pieces() : 0;
@@ -113,12 +115,13 @@ void become_beziers(Limb& limb, int pieces) {
 } // namespace
 
 bool give_equal_pieces(Limb& a, Limb& b) {
-  const int pieces_a = piece_count(a), pieces_b = piece_count(b);
-  if (pieces_a == 0 || pieces_b == 0) return false;
-  for (Limb* limb : {&a, &b}) become_beziers(*limb, std::max(pieces_a, pieces_b));
   const bool in_units = a.detail > 0 && b.detail > 0;
   a.detail = b.detail = in_units ? std::min(a.detail, b.detail) : 0;
   a.detail_pixels = b.detail_pixels = std::min(a.detail_pixels, b.detail_pixels);
+  if (a.curve == b.curve && a.points.size() == b.points.size()) return true;
+  const int pieces_a = piece_count(a), pieces_b = piece_count(b);
+  if (pieces_a == 0 || pieces_b == 0) return false;
+  for (Limb* limb : {&a, &b}) become_beziers(*limb, std::max(pieces_a, pieces_b));
   return true;
 }
 

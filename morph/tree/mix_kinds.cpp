@@ -41,10 +41,7 @@ void make_comparable(AnimatedKind& a, AnimatedKind& b) {
       for (size_t i = 0, n = shorter->size(); shorter->size() < longer->size(); ++i) shorter->push_back((*shorter)[i % n]);
   }
   auto* const limb_a = std::get_if<GeneralizedCylinder<AnimatedMode>>(&a);
-  if (auto* limb_b = std::get_if<GeneralizedCylinder<AnimatedMode>>(&b); limb_a && limb_b)
-    if (limb_a->points.size() != limb_b->points.size() || limb_a->curve != limb_b->curve || limb_a->detail != limb_b->detail ||
-        limb_a->detail_pixels != limb_b->detail_pixels)
-      give_equal_pieces(*limb_a, *limb_b);
+  if (auto* limb_b = std::get_if<GeneralizedCylinder<AnimatedMode>>(&b); limb_a && limb_b) give_equal_pieces(*limb_a, *limb_b);
   for (AnimatedKind* kind : {&a, &b})
     if (auto* limb = std::get_if<GeneralizedCylinder<AnimatedMode>>(kind)) {
       if (limb->radii.empty()) limb->radii.emplace_back(0.f);

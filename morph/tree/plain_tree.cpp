@@ -21,8 +21,11 @@ FieldPtr node_of(AnimatedKind kind, const SourcePosition& where) {
 
 /// Whether a material is another one in another space.
 bool has_place(const AnimatedMode::Material& material) {
-  return material &&
-         std::visit([]<class Kind>(const Kind&) { return std::is_constructible_v<PatternKinds::Variant<A>, Kind>; }, material->kind);
+  return material && std::visit(
+                         []<template <class> class Kind>(const Kind<A>&) {
+                           return !requires(const Kind<SampledMode> k) { k.surface(); };
+                         },
+                         material->kind);
 }
 
 /// Changes the space of what is below it.
@@ -192,20 +195,31 @@ std::vector<FieldPtr> children_of(const FieldNode& node) {
   return children;
 }
 
+/// The children that are seen: a region only says where.
+std::vector<FieldPtr> seen_children(const FieldNode& node) {
+  std::vector<FieldPtr> children;
+  const auto add = [&]<class Edge>(const Edge& edge, const ParameterRules& rules) {
+    if constexpr (std::is_same_v<Edge, FieldPtr>)
+      if (rules.role != Role::region) children.push_back(edge);
+  };
+  std::visit([&](const auto& kind) { for_each_edge(kind, add); }, node.kind);
+  return children;
+}
+
 std::vector<Box3d> boxes_of_node(const FieldNode& node, double frame, const std::vector<Box3d>& below) {
   return std::visit([&](const auto& kind) { return own_boxes(kind, frame, below); }, node.kind);
 }
 
 Box3d box_of_tree(const FieldNode& root, double frame) {
   Box3d below, box;
-  for (const FieldPtr& child : children_of(root)) below.extend(box_of_tree(*child, frame));
+  for (const FieldPtr& child : seen_children(root)) below.extend(box_of_tree(*child, frame));
   for (const Box3d& own : boxes_of_node(root, frame, {below})) box.extend(own);
   return finite(box);
 }
 
 std::vector<Box3d> boxes_of_tree(const FieldNode& root, double frame) {
   std::vector<Box3d> below;
-  for (const FieldPtr& child : children_of(root)) {
+  for (const FieldPtr& child : seen_children(root)) {
     const std::vector<Box3d> boxes = boxes_of_tree(*child, frame);
     below.insert(below.end(), boxes.begin(), boxes.end());
   }
