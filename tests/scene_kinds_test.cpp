@@ -134,6 +134,11 @@ TEST(EveryKind, IsReadFromItsLeastTextWithTheTablesDefaults) {
     const T& read = found<T>(scene);
     for_each_parameter<T>([&](const auto& row) {
       if (row.is_required || place.scene.find(fmt::format("\"{}\": 2", row.name)) != std::string::npos) return; // it says so
+      if constexpr (std::is_same_v<T, Transition<AnimatedMode>>)
+        if (row.name == "way") {
+          EXPECT_EQ(read.way, TransitionWay::dissolve); // chosen when it was read
+          return;
+        }
       EXPECT_EQ(json_text(read.*(row.member)), json_text(defaults.*(row.member))) << T::k_name << "." << row.name;
       ++defaults_read;
     });
