@@ -25,8 +25,10 @@ std::map<const FieldNode*, std::vector<std::string>> shapes_of(const std::vector
   for (const Shape& shape : scene.shapes) {
     std::set<const FieldNode*> nodes;
     const auto collect = [&](const FieldNode& node, const auto&...) { return nodes.insert(&node).second; };
-    for (const FieldPtr& tree : {shape.field, shape.texture})
-      if (tree) FieldFold<char>(PartsShared::always)(*tree, collect);
+    for (const FieldPtr& tree : {shape.field, shape.texture}) {
+      FieldFold<char> fold(PartsShared::always);
+      if (tree) fold(*tree, collect);
+    }
     for (const ReadTreeMaker& maker : makers)
       if (nodes.count(maker.node.get())) shapes[maker.node.get()].push_back(shape.name);
   }
