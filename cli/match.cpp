@@ -38,13 +38,16 @@ std::vector<MatchedLiquid> liquids_of(const Scene& scene) {
   for (const Shape& shape : scene.shapes) {
     const auto visit = [&]<class Kind>(const FieldNode& node, const Kind& kind, const auto&...) {
       if constexpr (std::is_same_v<Kind, Liquid<AnimatedMode>>) {
-        MatchedLiquid& liquid = found.try_emplace(&node, matched(*kind.morph, node.where)).first->second;
+        if (!found.count(&node)) found.emplace(&node, matched(*kind.morph, node.where));
+        MatchedLiquid& liquid = found.at(&node);
         if (liquid.shapes.empty() || liquid.shapes.back() != shape.name) liquid.shapes.push_back(shape.name);
       }
       return 0;
     };
-    for (const FieldPtr& tree : {shape.field, shape.texture})
-      if (tree) FieldFold<int>(PartsShared::always)(*tree, visit);
+    for (const FieldPtr& tree : {shape.field, shape.texture}) {
+      FieldFold<int> fold(PartsShared::always);
+      if (tree) fold(*tree, visit);
+    }
   }
   std::vector<MatchedLiquid> liquids;
   for (auto& [node, liquid] : found) liquids.push_back(std::move(liquid));
