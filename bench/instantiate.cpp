@@ -1,13 +1,14 @@
 // What a frame costs before anything is built or traced: instantiating a tree whose parameters move (sampling it, and
 // expanding its complex primitives). One thread; CPU seconds, medians of many frames.
 //
-//   instantiate [runs]
+//   instantiate [runs [scene]]      the trees of all shapes of a scene instead
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 
 #include "renderer/program/expand.h"
+#include "scene/reader.h"
 #include "scene/scene.h"
 
 namespace kelpie {
@@ -70,12 +71,15 @@ void measure(const char* name, const Scene& scene, int runs) {
     const double start = thread_cpu_s();
     FrameScene frame = sample(scene, 1 + 0.7 * run);
     const double sampled = thread_cpu_s();
-    std::vector<SampledField> moments;
-    moments.push_back(std::move(frame.shapes[0].field));
-    expand(moments);
-    all.push_back(thread_cpu_s() - start), sampling.push_back(sampled - start);
     elements = 0;
-    for (const auto& n : moments[0].nodes) elements += std::visit([]<class Kind>(const Kind&) { return Skeleton<Kind>; }, n);
+    for (SampledShape& shape : frame.shapes) {
+      if (shape.field.nodes.empty()) continue;
+      std::vector<SampledField> moments;
+      moments.push_back(std::move(shape.field));
+      expand(moments);
+      for (const auto& n : moments[0].nodes) elements += std::visit([]<class Kind>(const Kind&) { return Skeleton<Kind>; }, n);
+    }
+    all.push_back(thread_cpu_s() - start), sampling.push_back(sampled - start);
   }
   const auto median = [](std::vector<double> v) {
     std::nth_element(v.begin(), v.begin() + std::ptrdiff_t(v.size() / 2), v.end());
@@ -90,6 +94,11 @@ void measure(const char* name, const Scene& scene, int runs) {
 int main(int argc, char** argv) {
   using namespace kelpie;
   const int runs = argc > 1 ? std::atoi(argv[1]) : 51;
+  if (argc > 2) {
+    Diagnostics diagnostics;
+    measure(argv[2], read_scene(argv[2], {}, diagnostics), runs);
+    return 0;
+  }
   std::printf("a sampled node has %zu bytes\n", sizeof(FieldKinds::Variant<SampledMode>));
   for (const int count : {2'000, 100'000}) {
     measure("cone-spheres", tree_of(count, bone), runs);

@@ -27,7 +27,7 @@ struct Flat {
   double x, y;
 };
 
-/// A colour in which white text would be read.
+/// A strong colour, dark enough to be seen as a line on white.
 std::string colour_of(double hue) {
   const auto channel = [&](double n) {
     const double k = std::fmod(n + hue / 60, 6);

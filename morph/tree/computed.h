@@ -9,6 +9,13 @@
 
 namespace kelpie {
 
+/// In ascending order, each once.
+inline std::vector<double> sorted_once(std::vector<double> frames) {
+  std::sort(frames.begin(), frames.end());
+  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
+  return frames;
+}
+
 template <class T, class Function, class... Arguments>
 class Computed final : public TimeFunction<T> {
 public:
@@ -30,9 +37,7 @@ private:
     std::vector<double> all;
     const auto add = [&](const std::vector<double>& frames) { all.insert(all.end(), frames.begin(), frames.end()); };
     std::apply([&](const auto&... argument) { (add(frames_of(argument)), ...); }, arguments_);
-    std::sort(all.begin(), all.end());
-    all.erase(std::unique(all.begin(), all.end()), all.end());
-    return all;
+    return sorted_once(std::move(all));
   }
 
   Function function_;

@@ -41,9 +41,7 @@ private:
       const std::vector<double> frames = frames_of(term.value);
       all.insert(all.end(), frames.begin(), frames.end());
     }
-    std::sort(all.begin(), all.end());
-    all.erase(std::unique(all.begin(), all.end()), all.end());
-    return all;
+    return sorted_once(std::move(all));
   }
 
   std::vector<Term> terms_;
@@ -114,15 +112,14 @@ void become_beziers(Limb& limb, int pieces) {
 
 } // namespace
 
-bool give_equal_pieces(Limb& a, Limb& b) {
+void give_equal_pieces(Limb& a, Limb& b) {
   const bool in_units = a.detail > 0 && b.detail > 0;
   a.detail = b.detail = in_units ? std::min(a.detail, b.detail) : 0;
   a.detail_pixels = b.detail_pixels = std::min(a.detail_pixels, b.detail_pixels);
-  if (a.curve == b.curve && a.points.size() == b.points.size()) return true;
+  if (a.curve == b.curve && a.points.size() == b.points.size()) return;
   const int pieces_a = piece_count(a), pieces_b = piece_count(b);
-  if (pieces_a == 0 || pieces_b == 0) return false;
+  if (pieces_a == 0 || pieces_b == 0) return;
   for (Limb* limb : {&a, &b}) become_beziers(*limb, std::max(pieces_a, pieces_b));
-  return true;
 }
 
 } // namespace kelpie

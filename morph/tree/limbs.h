@@ -8,6 +8,6 @@ namespace kelpie {
 /// Makes both curves of as many points: where they are not, of as many cubic Bézier pieces, along which they run as before; of the shorter
 /// one pieces are divided. The two are expanded as finely as the finer of them, in pixels if one of them is. False where the curves cannot
 /// be changed so: a lone point, a Bézier curve of more than four points, a thousand points.
-bool give_equal_pieces(GeneralizedCylinder<AnimatedMode>&, GeneralizedCylinder<AnimatedMode>&);
+void give_equal_pieces(GeneralizedCylinder<AnimatedMode>&, GeneralizedCylinder<AnimatedMode>&);
 
 } // namespace kelpie

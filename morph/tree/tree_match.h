@@ -21,7 +21,7 @@ enum class NodeFate {
   becomes,   ///< another node, by what is between them
   exchanged, ///< they correspond, and have nothing in common: the one shrinks away while the other grows
   shrinks,   ///< it has no counterpart
-  grows,     ///< it was no counterpart
+  grows,     ///< it has none either, on the other side
 };
 
 /// Two nodes of both trees that correspond, or one that has no counterpart; the other is null then.
@@ -51,12 +51,11 @@ std::vector<Box3d> in_space_of_root(const TreeMatch&, size_t index, FieldPtr Nod
 class MatchLog {
 public:
   /// What is added until it is closed stands below it.
-  size_t open(NodeMatch match) {
+  void open(NodeMatch match) {
     match.level = open_.size();
     if (!open_.empty()) match.within = open_.back();
     nodes_.push_back(std::move(match));
     open_.push_back(nodes_.size() - 1);
-    return open_.back();
   }
   void close(NodeFate fate, const FieldNode& between) {
     NodeMatch& match = nodes_[open_.back()];
