@@ -115,6 +115,7 @@ TEST(Transition, KeepsContrast) {
     }
     const double whole = (deviation(from) + deviation(to)) / 2;
     EXPECT_LT(deviation(mixture), 0.9 * whole);
+    EXPECT_GT(deviation(between), 1.01 * deviation(mixture));
     EXPECT_NEAR(deviation(between) / whole, 1, 0.15);
   });
 }
