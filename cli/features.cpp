@@ -2,12 +2,12 @@
 #include <filesystem>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "base/atomic_file.h"
 #include "base/standard_streams.h"
 #include "cli/command.h"
 #include "cli/failure.h"
+#include "cli/json_values.h"
 #include "cli/progress.h"
 #include "field/distances/mesh.h"
 #include "morph/feature/match_parts.h"
@@ -19,7 +19,6 @@ namespace {
 /// Voxels of the fields that are written, in those that parts are found with: thin sheets show the coarser ones.
 constexpr double k_field_voxels = 0.5;
 
-using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 struct FeaturesOptions {
@@ -34,11 +33,10 @@ struct Solid {
   std::string file, name;
   Vec3d shift{0};
   double scale = 1, voxel = 1; ///< the latter of its field
-  Parts parts;
+  PartedSolid parts;
 };
 
-double rounded(double x) { return std::round(1e4 * x) / 1e4 + 0.0; }
-Json json_of(const Vec3d& v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
+constexpr double k_steps = 1e4; ///< coordinates are rounded to a ten-thousandth
 
 Solid load(const std::string& file, const FeaturesOptions& o, Diagnostics& diagnostics) {
   Solid solid;
@@ -66,12 +64,16 @@ Json field_of(const Solid& solid, const fs::path& folder) {
   const Json mesh{{"kind", "sdf_mesh"},
                   {"file", error || relative.empty() ? fs::absolute(solid.file).string() : relative.string()},
                   {"voxel", solid.voxel}};
-  return {{"kind", "scale"}, {"by", solid.scale}, {"child", {{"kind", "translate"}, {"by", json_of(solid.shift)}, {"child", mesh}}}};
+  return {{"kind", "scale"},
+          {"by", solid.scale},
+          {"child", {{"kind", "translate"}, {"by", json_point(solid.shift, k_steps)}, {"child", mesh}}}};
 }
 
 Json element_of(const std::string& name, const Solid& solid, const PartBox& part) {
-  Json e{{"name", name}, {"centre", json_of(solid.scale * (part.centre + solid.shift))}, {"size", json_of(solid.scale * part.size)}};
-  if (part.axes != Mat3d(1.0)) e["axis"] = json_of(part.axes[1]), e["across"] = json_of(part.axes[0]);
+  Json e{{"name", name},
+         {"centre", json_point(solid.scale * (part.centre + solid.shift), k_steps)},
+         {"size", json_point(solid.scale * part.size, k_steps)}};
+  if (part.axes != Mat3d(1.0)) e["axis"] = json_point(part.axes[1], k_steps), e["across"] = json_point(part.axes[0], k_steps);
   return e;
 }
 
@@ -109,7 +111,7 @@ Json frame_of(const Solid& solid, const PartBox& part, const Vec3d& by) {
   Json edges = Json::array();
   const auto corner = [&](int i) {
     const Vec3d sign(i & 1 ? 0.5 : -0.5, i & 2 ? 0.5 : -0.5, i & 4 ? 0.5 : -0.5);
-    return json_of(by + solid.scale * (part.centre + part.axes * (part.size * sign) + solid.shift));
+    return json_point(by + solid.scale * (part.centre + part.axes * (part.size * sign) + solid.shift), k_steps);
   };
   for (int i = 0; i < 8; ++i)
     for (int axis = 0; axis < 3; ++axis)
@@ -131,7 +133,7 @@ Json drawing(const std::vector<Solid>& solids, const std::vector<ProposedFeature
   for (size_t j = 0; j < solids.size(); ++j) {
     const Vec3d by(k_step * (double(j) - 0.5 * double(solids.size() - 1)), 0, 0);
     shapes.push_back({{"name", fmt::format("{} {}", j + 1, solids[j].name)},
-                      {"field", {{"kind", "translate"}, {"by", json_of(by)}, {"child", field_of(solids[j], folder)}}},
+                      {"field", {{"kind", "translate"}, {"by", json_point(by, k_steps)}, {"child", field_of(solids[j], folder)}}},
                       {"surface", {{"kind", "matte"}, {"colour", "#d8d4cc"}}}});
     for (const ProposedFeature& f : features)
       if (f.parts[j] >= 0)
@@ -148,7 +150,7 @@ void propose(const FeaturesOptions& o) {
   require_writable(o.output);
   if (!o.drawing.empty()) require_writable(o.drawing);
   std::vector<Solid> solids;
-  std::vector<Parts> parts;
+  std::vector<PartedSolid> parts;
   Diagnostics diagnostics;
   {
     Progress progress(o.progress, double(o.meshes.size()), "meshes");

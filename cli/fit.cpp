@@ -18,7 +18,7 @@ namespace {
 constexpr size_t k_usual_blobs = 500;
 constexpr double k_shown_steps = 10;
 
-struct Options : FitCommandOptions {
+struct FitArguments : FitCommandOptions {
   std::string mesh, output, stats;
   unsigned threads = 0;
 };
@@ -43,7 +43,7 @@ std::string stats_of(const FitResult& r) {
   return stats.dump(2) + "\n";
 }
 
-void fit(const Options& options) {
+void fit(const FitArguments& options) {
   require_writable(options.output);
   if (!options.stats.empty()) require_writable(options.stats);
   const FitResult result = fit_and_report(options.mesh, options);
@@ -89,7 +89,7 @@ FitResult fit_and_report(const std::string& mesh_path, const FitCommandOptions& 
 
 void add_fit(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("fit", "fit blobs to a mesh");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<FitArguments>();
   command.add_option("MESH", options->mesh, "an OBJ, PLY, OFF or STL file")->required();
   command.add_option("-o,--output", options->output, "the cloud: a PLY file of vertices x y z radius weight")
       ->required()

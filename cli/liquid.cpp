@@ -23,7 +23,7 @@ namespace kelpie {
 
 namespace {
 
-struct Options : FitCommandOptions {
+struct LiquidArguments : FitCommandOptions {
   std::string from, to, from_up = "+y", to_up = "+y", turn = "auto", ends = "mesh", surface = "metal", camera = "orbit", save_scene;
   RenderOptions render;
 };
@@ -39,7 +39,7 @@ void check_usage(const RenderOptions& o, const LiquidSceneOptions& scene) {
 }
 
 /// The frames asked for span the morph; a single one is a frame of the usual length.
-LiquidSceneOptions scene_options(const Options& o) {
+LiquidSceneOptions scene_options(const LiquidArguments& o) {
   LiquidSceneOptions s;
   s.surface = o.surface;
   for (const auto& [name, move] : EnumNames<CameraMove>::values)
@@ -64,14 +64,14 @@ LiquidEnd make_end(const std::string& path, const std::string& up, const FitComm
   return end;
 }
 
-void make_both(const Options& o, LiquidEnd& from, LiquidEnd& to) {
+void make_both(const LiquidArguments& o, LiquidEnd& from, LiquidEnd& to) {
   const int threads = o.render.threads > 0 ? o.render.threads : tbb::this_task_arena::max_concurrency();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads));
   tbb::parallel_invoke([&] { from = make_end(o.from, o.from_up, o); }, [&] { to = make_end(o.to, o.to_up, o); });
   place_together(from, to, o.turn == "auto" ? std::optional<double>() : std::stod(o.turn));
 }
 
-void liquid(const Options& o) {
+void liquid(const LiquidArguments& o) {
   const LiquidSceneOptions options = scene_options(o);
   check_usage(o.render, options);
   if (!o.save_scene.empty()) require_writable(o.save_scene);
@@ -94,7 +94,7 @@ void liquid(const Options& o) {
 
 void add_liquid(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("liquid", "turn one mesh into another as liquid, and render it");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<LiquidArguments>();
   const CLI::IsMember is_axis(std::vector<std::string>(std::begin(k_up_axes), std::end(k_up_axes)));
   command.add_option("FROM", options->from, "the mesh at the beginning: OBJ, PLY, OFF or STL")->required();
   command.add_option("TO", options->to, "the mesh at the end")->required();

@@ -6,18 +6,15 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
+#include "cli/json_values.h"
 #include "morph/tree/plain_tree.h"
 
 namespace kelpie {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-double rounded(double x) { return std::round(1e6 * x) / 1e6 + 0.0; }
-Json json_of(const Vec3d& v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
+constexpr double k_steps = 1e6; ///< values are rounded to a millionth
 
 std::string_view name_of(MatchedBy by) {
   switch (by) {
@@ -54,10 +51,10 @@ private:
     const NodeMatch& m = tree_.nodes[i];
     Json json{{"level", m.level}, {"within", m.within ? Json(*m.within) : Json(nullptr)}, {"fate", name_of(m.fate)}};
     if (m.from && m.to) json["by"] = name_of(m.by);
-    if (m.difference) json["difference"] = rounded(*m.difference);
+    if (m.difference) json["difference"] = rounded(*m.difference, k_steps);
     if (m.from) json["from"] = node_at(i, *m.from, m.from_ways, &NodeMatch::from_warp, from_numbers_);
     if (m.to) json["to"] = node_at(i, *m.to, m.to_ways, &NodeMatch::to_warp, to_numbers_);
-    if (!m.from || !m.to) json["place"] = json_of(place_at(i));
+    if (!m.from || !m.to) json["place"] = json_point(place_at(i), k_steps);
     json["between"] = m.between;
     return json;
   }
@@ -71,8 +68,8 @@ private:
             {"name", node.name},
             {"where", to_string(node.where)},
             {"leaves", leaf_count(node)},
-            {"centre", json_of(box.centre())},
-            {"size", json_of(box.extent())},
+            {"centre", json_point(box.centre(), k_steps)},
+            {"size", json_point(box.extent(), k_steps)},
             {"share", 1 / double(ways)}};
   }
 
@@ -87,7 +84,7 @@ private:
   std::map<const FieldNode*, size_t> from_numbers_, to_numbers_; ///< in the order in which they are met
 };
 
-Json json_of(const Blob& blob) { return {{"centre", json_of(Vec3d(blob.centre))}, {"radius", blob.radius}}; }
+Json json_of(const Blob& blob) { return {{"centre", json_point(Vec3d(blob.centre), k_steps)}, {"radius", blob.radius}}; }
 
 Json json_of(const MatchedLiquid& liquid) {
   const std::vector<double> amounts = amounts_of(liquid);

@@ -99,13 +99,13 @@ Vec3d bed_of(const MeshCommandOptions& o) {
 }
 
 MeshedFrame mesh_with_progress(const FrameScene& frame, const std::vector<size_t>& shapes, double units, const MeshCommandOptions& o) {
-  constexpr double k_shown_steps = 100;
-  Progress progress(o.progress, k_shown_steps, "% of meshing");
+  constexpr double k_percent = 100;
+  Progress progress(o.progress, k_percent, "% of meshing");
   MeshFrameOptions how;
   how.units = units, how.size = millimetres(o.size), how.tolerance = o.tolerance;
   if (o.triangles) how.most_triangles = *o.triangles;
   how.up = up_of(o), how.shell = o.shell, how.drain = o.drain;
-  how.progress = [&](double done) { progress.advance(k_shown_steps * done); };
+  how.progress = [&](double done) { progress.advance(k_percent * done); };
   return mesh_frame(frame, shapes, how);
 }
 

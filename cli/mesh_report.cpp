@@ -3,22 +3,19 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+
+#include "cli/json_values.h"
 
 namespace kelpie {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 std::string counted(size_t n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
-
-Json json_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
 Json json_of(const std::vector<Piece>& pieces) {
   Json out = Json::array();
   for (const Piece& p : pieces)
-    out.push_back({{"volume", std::abs(p.volume)}, {"lower", json_of(p.box.lower)}, {"upper", json_of(p.box.upper)}});
+    out.push_back({{"volume", std::abs(p.volume)}, {"lower", json_point(p.box.lower)}, {"upper", json_point(p.box.upper)}});
   return out;
 }
 
@@ -46,13 +43,13 @@ std::string mesh_json(const MeshedFrame& frame, std::span<const Survey> surveys)
     objects.push_back({{"name", frame.objects[i].name},
                        {"triangles", frame.objects[i].mesh.triangles.size()},
                        {"vertices", frame.objects[i].mesh.positions.size()},
-                       {"lower", json_of(s.box.lower)},
-                       {"upper", json_of(s.box.upper)},
+                       {"lower", json_point(s.box.lower)},
+                       {"upper", json_point(s.box.upper)},
                        {"volume", s.volume},
                        {"area", s.area},
                        {"pieces", json_of(s.pieces)},
                        {"cavities", json_of(s.cavities)},
-                       {"thinnest_wall", {{"thickness", s.thinnest}, {"at", json_of(s.thinnest_at)}}}});
+                       {"thinnest_wall", {{"thickness", s.thinnest}, {"at", json_point(s.thinnest_at)}}}});
   }
   return Json{{"version", KELPIE_VERSION}, {"unit", "mm"}, {"tolerance", frame.tolerance}, {"objects", std::move(objects)}}.dump(2) + "\n";
 }

@@ -3,13 +3,12 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+
+#include "cli/json_values.h"
 
 namespace kelpie {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string place_text(const Vec3d& p) { return fmt::format("({:.3g}, {:.3g}, {:.3g})", p.x, p.y, p.z); }
 
@@ -33,15 +32,14 @@ const char* name_of(Pop::Kind kind) {
   return "picture";
 }
 
-Json json_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
-
 Json json_of(const std::optional<SurfaceDistance>& d) { return d ? Json{{"rms", d->rms}, {"largest", d->largest}} : Json(nullptr); }
 
 Json json_of(const FieldMeasures& f) {
   Json parts = Json::array(), events = Json::array();
   for (const Part& p : f.parts)
-    parts.push_back({{"volume", p.volume}, {"area", p.area}, {"centre", json_of(p.centre)}, {"genus", p.genus}, {"cavities", p.cavities}});
-  for (const PartEvent& e : f.events) events.push_back({{"what", name_of(e.kind)}, {"place", json_of(e.place)}, {"volume", e.volume}});
+    parts.push_back(
+        {{"volume", p.volume}, {"area", p.area}, {"centre", json_point(p.centre)}, {"genus", p.genus}, {"cavities", p.cavities}});
+  for (const PartEvent& e : f.events) events.push_back({{"what", name_of(e.kind)}, {"place", json_point(e.place)}, {"volume", e.volume}});
   return {{"frame", f.frame},
           {"volume", f.volume},
           {"area", f.area},
@@ -94,7 +92,7 @@ std::string report_json(const MorphReport& r) {
                     {"what", name_of(p.kind)},
                     {"change", p.change},
                     {"usual", p.usual},
-                    {"place", p.place ? json_of(*p.place) : Json(nullptr)}});
+                    {"place", p.place ? json_point(*p.place) : Json(nullptr)}});
   const Json all{{"version", KELPIE_VERSION},  {"scene", r.scene}, {"subject", r.subject},
                  {"resolution", r.resolution}, {"frames", frames}, {"pops", pops}};
   return all.dump(1) + "\n";

@@ -5,11 +5,15 @@
 // where it is transmitted.
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 
 #include "base/vec.h"
 
 namespace kelpie {
+
+/// The largest component.
+inline float largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
 
 /// A direction that a model chose to look for light in.
 struct BsdfSample {

@@ -18,17 +18,17 @@ constexpr float k_root_outside = 2, k_root_inside = 3;
 constexpr int k_normals = 256;
 
 /// Where a number in [0, 1] lies among nodes 0 … count - 1.
-struct Place {
+struct TablePlace {
   int node;
   float fraction;
 
-  Place(float x, int count) {
+  TablePlace(float x, int count) {
     const float at = std::min(std::max(x, 0.f), 1.f) * float(count - 1);
     node = std::min(int(at), count - 2), fraction = at - float(node);
   }
 };
-Place place_of_cosine(float cosine) { return {std::sqrt(cosine), k_cosines}; }
-Place place_of_alpha(float alpha) { return {std::sqrt(alpha), k_alphas}; }
+TablePlace place_of_cosine(float cosine) { return {std::sqrt(cosine), k_cosines}; }
+TablePlace place_of_alpha(float alpha) { return {std::sqrt(alpha), k_alphas}; }
 
 float node_cosine(int i) { return std::max(1e-4f, float(i * i) / float((k_cosines - 1) * (k_cosines - 1))); }
 float node_alpha(int i) { return float(i * i) / float((k_alphas - 1) * (k_alphas - 1)); }
@@ -111,7 +111,7 @@ public:
   }
 
   DielectricAlbedo at(float cosine, float alpha, float eta) const {
-    const Place e = place_of_eta(eta), a = place_of_alpha(alpha), c = place_of_cosine(cosine);
+    const TablePlace e = place_of_eta(eta), a = place_of_alpha(alpha), c = place_of_cosine(cosine);
     DielectricAlbedo sum{0, 0};
     for (const int i : {0, 1})
       for (const int j : {0, 1})
@@ -128,7 +128,7 @@ private:
     const float step = k_last_step * std::pow(float(i) / float(k_etas - 1), is_inside_ ? k_root_inside : k_root_outside);
     return is_inside_ ? (1 - step) / (1 + step) : (1 + step) / (1 - step);
   }
-  Place place_of_eta(float eta) const {
+  TablePlace place_of_eta(float eta) const {
     const float step = std::abs(eta - 1) / (eta + 1) / k_last_step;
     return {is_inside_ ? std::cbrt(step) : std::sqrt(step), k_etas};
   }
@@ -140,7 +140,7 @@ private:
 
 float mirror_albedo(float cosine, float alpha) {
   static const MirrorTable k_table = make_mirror_table();
-  const Place a = place_of_alpha(alpha), c = place_of_cosine(cosine);
+  const TablePlace a = place_of_alpha(alpha), c = place_of_cosine(cosine);
   const float *rough = &k_table[entry(a.node + 1, c.node)], *smooth = &k_table[entry(a.node, c.node)];
   const float of_smooth = smooth[0] + (smooth[1] - smooth[0]) * c.fraction, of_rough = rough[0] + (rough[1] - rough[0]) * c.fraction;
   return of_smooth + (of_rough - of_smooth) * a.fraction;

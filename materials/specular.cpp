@@ -6,8 +6,6 @@ namespace kelpie {
 
 namespace {
 
-float largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
-
 /// Ratios of indices of refraction closer to 1 are taken for 1: light goes straight on.
 constexpr float k_least_bend = 1e-3f;
 

@@ -6,8 +6,6 @@ namespace kelpie {
 
 namespace {
 
-float largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
-
 /// OpenPBR 1.1, "Microfacet model": anisotropy leaves the mean of alpha^2 as it is.
 Ggx microfacets(float roughness, float anisotropy) {
   const float alpha = roughness * roughness, across = 1 - anisotropy;

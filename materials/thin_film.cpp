@@ -6,16 +6,15 @@ namespace kelpie {
 
 namespace {
 
-constexpr float k_pi = std::numbers::pi_v<float>;
-
 /// What two rays of unit strength that differ by `path` (micrometres) add to each other: the spectrum of cos(2 pi path /
 /// wavelength) as a colour. Belcour and Barla's Gaussians (eq. 15) for CIE XYZ, adapted to the white of the scene's space.
 Vec3 interference(float path) {
   constexpr float k_coherent = 25; // beyond, white light shows none: the Gaussians vanish
   if (path > k_coherent) return Vec3(0);
-  const float phase = 2 * k_pi * path * 1e-6f;
+  const float phase = 2 * std::numbers::pi_v<float> * path * 1e-6f;
   const auto gaussian = [&](float value, float position, float variance) {
-    return value * std::sqrt(2 * k_pi * variance) * std::cos(position * phase) * std::exp(-variance * phase * phase) / 1.0685e-7f;
+    return value * std::sqrt(2 * std::numbers::pi_v<float> * variance) * std::cos(position * phase) * std::exp(-variance * phase * phase) /
+           1.0685e-7f;
   };
   const Vec3 xyz(gaussian(5.4856e-13f, 1.6810e6f, 4.3278e9f) + gaussian(9.7470e-14f, 2.2399e6f, 4.5282e9f),
                  gaussian(4.4201e-13f, 1.7953e6f, 9.3046e9f), gaussian(5.2481e-13f, 2.2084e6f, 6.6121e9f));

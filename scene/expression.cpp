@@ -31,16 +31,18 @@ double smoothstep(double from, double to, double v) {
 /// Smooth and random: a line through gradient noise, which is at least half as rough across as along the axes.
 double noise(double v) { return double(gradient_noise(Vec3(float(v), 0.37f, 0.61f), 0x6b656c70).value); }
 
+} // namespace
+
 /// muParser's own functions, and ours.
-struct Parser : mu::Parser {
-  Parser() {
+struct FormulaParser : mu::Parser {
+  FormulaParser() {
     DefineFun("floor", static_cast<double (*)(double)>(std::floor));
     DefineFun("ceil", static_cast<double (*)(double)>(std::ceil));
     DefineFun("fract", fract);
     DefineFun("mod", mod);
     DefineFun("round", static_cast<double (*)(double)>(std::round));
     DefineFun("pow", static_cast<double (*)(double, double)>(std::pow));
-    DefineFun("clamp", clamp);
+    DefineFun("clamp", static_cast<double (*)(double, double, double)>(clamp));
     DefineFun("mix", mix);
     DefineFun("smoothstep", smoothstep);
     DefineFun("noise", noise);
@@ -53,6 +55,8 @@ struct Parser : mu::Parser {
     return names;
   }
 };
+
+namespace {
 
 /// muParser would read "frame = 3" as an order.
 bool assigns(std::string_view text) {
@@ -74,7 +78,7 @@ std::string_view name_before(std::string_view text, int end) {
   return text.substr(begin, behind - begin);
 }
 
-std::string explained(const mu::ParserError& e, std::string_view text, const Parser& parser) {
+std::string explained(const mu::ParserError& e, std::string_view text, const FormulaParser& parser) {
   if (const std::string_view name = name_before(text, e.GetPos()); e.GetToken() == "(" && !name.empty()) {
     const std::vector<std::string> functions = parser.functions();
     const std::vector<std::string_view> known(functions.begin(), functions.end());
@@ -99,7 +103,7 @@ std::string explained(const mu::ParserError& e, std::string_view text, const Par
 
 struct Expression::Formula {
   mutable std::mutex mutex; ///< a parser has one set of variables
-  Parser parser;
+  FormulaParser parser;
   std::map<std::string, double> slots;
 };
 
@@ -107,7 +111,7 @@ Expression::Expression(const std::string& text) : formula_(std::make_unique<Form
   if (text.find_first_not_of(" \t\n") == std::string::npos) fail("it is empty");
   if (text.size() > k_most_characters) fail(fmt::format("more than {} characters", k_most_characters));
   if (assigns(text)) fail("'=' is not expected: two values are compared by '=='");
-  Parser& parser = formula_->parser;
+  FormulaParser& parser = formula_->parser;
   try {
     parser.SetExpr(text);
     formula_->slots.try_emplace(std::string(k_frame), 0);
@@ -153,7 +157,7 @@ std::string problem_of_variable_name(std::string_view name) {
   if (name.empty() || !is_letter(name[0]) || !std::all_of(name.begin(), name.end(), is_part))
     return "is no name for a variable: letters, digits and '_' make one";
   if (name == k_frame) return "is the frame, in every expression";
-  const Parser parser;
+  const FormulaParser parser;
   const std::string key(name);
   return parser.GetFunDef().count(key) || parser.GetConst().count(key) ? "is known to expressions already" : "";
 }

@@ -62,7 +62,7 @@ struct Rotation {
 };
 
 /// From the frame of the deformed axis, rolled, to that of the rest axis; less the identity.
-Rotation rotation(const AxisFrame& rest, const AxisFrame& deformed, double angle, double angle_slope) {
+Rotation rotation(const CurveFrame& rest, const CurveFrame& deformed, double angle, double angle_slope) {
   const double c = std::cos(angle), s = std::sin(angle);
   const Mat3d &a = deformed.axes, &d = deformed.slopes;
   const Mat3d axes(c * a[0] + s * a[1], c * a[1] - s * a[0], a[2]);
@@ -145,7 +145,7 @@ private:
     std::vector<Rotation> rotations;
     for (size_t i = 0; i <= k_places; ++i) {
       const double s = double(i) / k_places;
-      const AxisFrame at_rest = rest_walk_.go(rest, s), at = deformed_walk_.go(deformed, s);
+      const CurveFrame at_rest = rest_walk_.go(rest, s), at = deformed_walk_.go(deformed, s);
       const auto [angle, slope] = roll_.angle(length_at(section, s), middle);
       rotations.push_back(rotation(at_rest, at, angle, slope * glm::length(at_rest.velocity)));
     }

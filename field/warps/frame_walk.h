@@ -7,7 +7,7 @@
 namespace kelpie {
 
 /// The coordinate frame of an axis in one place, and its derivative by t: columns x, y, z; z along the axis.
-struct AxisFrame {
+struct CurveFrame {
   Vec3d at, velocity;
   Mat3d axes{1.0}, slopes{0.0};
 };
@@ -19,7 +19,7 @@ public:
   /// `tangent` and `normal` are those at the beginning of the curve, or near them.
   explicit FrameWalk(const Vec3d& tangent, const Vec3d& normal) : tangent_(tangent), normal_(normal) { straighten(); }
 
-  AxisFrame go(const CubicStep<Vec3d>& c, double s) {
+  CurveFrame go(const CubicStep<Vec3d>& c, double s) {
     const Vec3d at = c(s), first = c.first(s), second = c.second(s);
     const double speed = glm::length(first);
     const Vec3d tangent = speed > 0 ? first / speed : tangent_;
@@ -35,7 +35,7 @@ public:
     }
     has_begun_ = true, at_ = at, tangent_ = tangent;
     straighten();
-    AxisFrame frame{at, first};
+    CurveFrame frame{at, first};
     frame.axes = {glm::cross(normal_, tangent_), normal_, tangent_};
     const Vec3d turn = speed > 0 ? (second - tangent * glm::dot(second, tangent)) / speed : Vec3d(0);
     frame.slopes = {-glm::dot(frame.axes[0], turn) * tangent, -glm::dot(frame.axes[1], turn) * tangent, turn};

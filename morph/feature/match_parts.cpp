@@ -47,7 +47,7 @@ struct Group {
 };
 
 /// Gives the parts of a solid to groups, or new ones.
-void assign(const Parts& solid, size_t number, size_t solids, std::vector<Group>& groups) {
+void assign(const PartedSolid& solid, size_t number, size_t solids, std::vector<Group>& groups) {
   std::vector<Outline> outlines;
   for (const PartBox& box : solid.boxes) outlines.emplace_back(box, solid.box);
   // Beside the groups each part has a column of its own, at the price of what is too different.
@@ -122,7 +122,7 @@ std::vector<int> least_assignment(const std::vector<std::vector<double>>& cost) 
   return out;
 }
 
-std::vector<ProposedFeature> match_parts(const std::vector<Parts>& solids) {
+std::vector<ProposedFeature> match_parts(const std::vector<PartedSolid>& solids) {
   std::vector<size_t> order; // those of many parts first, so that others find theirs
   for (size_t i = 0; i < solids.size(); ++i) order.push_back(i);
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return solids[a].boxes.size() > solids[b].boxes.size(); });

@@ -9,7 +9,7 @@
 namespace kelpie {
 
 /// A solid with its parts.
-struct Parts {
+struct PartedSolid {
   Box3d box; ///< around the solid
   std::vector<PartBox> boxes;
 };
@@ -22,7 +22,7 @@ struct ProposedFeature {
 
 /// Matches parts by where they are in their solids and how large they are: solid by solid, the assignment of the least sum of differences.
 /// What differs too much is a feature of its own.
-std::vector<ProposedFeature> match_parts(const std::vector<Parts>&);
+std::vector<ProposedFeature> match_parts(const std::vector<PartedSolid>&);
 
 /// For each row of a table the column that it gets, no column twice, so that the sum is least. There are at least as many columns as rows.
 /// The Hungarian method (Kuhn 1955), by shortest augmenting paths: O(rows² columns).

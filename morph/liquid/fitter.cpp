@@ -9,7 +9,7 @@ namespace kelpie {
 namespace {
 
 /// Rounds of the solver; blobs are relocated before the first few of them. More than these gain little.
-constexpr int k_rounds = 7, k_relocations = 2;
+constexpr int k_fit_rounds = 7, k_relocations = 2;
 
 /// Good enough: a fifth of what one sees.
 constexpr double k_rms_goal = 0.0004;
@@ -55,10 +55,10 @@ std::vector<BlobParameters> Fitter::fit(std::span<const MedialSphere> spheres, s
   balance_weights(first);
   std::vector<FitBlob> blobs;
   for (const BlobParameters& b : first) blobs.push_back({b, b});
-  for (int round = 0; round < k_rounds; ++round) {
+  for (int round = 0; round < k_fit_rounds; ++round) {
     if (round > 0 && round <= k_relocations) relocate(blobs, wanted);
     improve_blobs(blobs, constraints_);
-    progress(double(round + 1) / k_rounds);
+    progress(double(round + 1) / k_fit_rounds);
     if (rms_estimate(parameters(blobs)) < k_rms_goal) break;
   }
   return parameters(blobs);

@@ -9,7 +9,7 @@ namespace {
 constexpr int k_pieces = 16;
 
 /// The polyline is cut into equal steps and each point drawn towards its neighbours so many times, and all of that again.
-constexpr int k_rounds = 2, k_smoothings = 4;
+constexpr int k_path_rounds = 2, k_smoothings = 4;
 
 std::vector<Vec3d> cut_evenly(const std::vector<Vec3d>& way) {
   std::vector<double> along{0};
@@ -36,7 +36,7 @@ void smooth(std::vector<Vec3d>& points) {
 Spline<Vec3d> flow_path(const std::vector<Vec3d>& way) {
   if (way.size() == 2) return Spline<Vec3d>::catmull_rom(way);
   std::vector<Vec3d> points = way;
-  for (int round = 0; round < k_rounds; ++round) {
+  for (int round = 0; round < k_path_rounds; ++round) {
     points = cut_evenly(points);
     for (int i = 0; i < k_smoothings; ++i) smooth(points);
   }

@@ -7,9 +7,7 @@
 
 namespace kelpie {
 
-namespace {
-constexpr float k_pi = std::numbers::pi_v<float>;
-} // namespace
+namespace {} // namespace
 
 std::shared_ptr<const EnvironmentMap> EnvironmentCache::get(const EnvironmentLight<SampledMode>& light, Diagnostics& diagnostics) {
   auto& map = maps_[{light.file.resolved, light.preset}];
@@ -42,13 +40,14 @@ SunEmitter::SunEmitter(const SunLight<SampledMode>& sun) : direction_(glm::norma
   radiance_ = irradiance, cos_radius_ = std::cos(radius);
   if (cos_radius_ >= 1) return; // a disc that float directions cannot resolve
   // Of the disc's radiance L, a facing surface gets L pi sin^2(radius); 1 - cos by the half angle, which cancels nothing.
-  solid_angle_ = 4 * k_pi * std::pow(std::sin(radius / 2), 2.f);
-  radiance_ = irradiance / (k_pi * std::pow(std::sin(radius), 2.f));
+  solid_angle_ = 4 * std::numbers::pi_v<float> * std::pow(std::sin(radius / 2), 2.f);
+  radiance_ = irradiance / (std::numbers::pi_v<float> * std::pow(std::sin(radius), 2.f));
 }
 
 Arrival SunEmitter::sample(const Vec3&, Vec2 u) const {
   if (is_delta()) return {direction_, radiance_, 1, true};
-  const float cosine = 1 - u.x * solid_angle_ / (2 * k_pi), sine = std::sqrt(std::max(0.f, 1 - cosine * cosine)), phi = 2 * k_pi * u.y;
+  const float cosine = 1 - u.x * solid_angle_ / (2 * std::numbers::pi_v<float>), sine = std::sqrt(std::max(0.f, 1 - cosine * cosine)),
+              phi = 2 * std::numbers::pi_v<float> * u.y;
   const Vec3 local(sine * std::cos(phi), sine * std::sin(phi), cosine);
   return {OrthonormalBasis(direction_).world_from_local(local), radiance_, 1 / solid_angle_, false};
 }

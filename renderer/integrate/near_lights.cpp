@@ -10,8 +10,6 @@ namespace kelpie {
 
 namespace {
 
-constexpr float k_pi = std::numbers::pi_v<float>;
-
 /// From one point to another; down, where they are the same.
 Vec3 direction_to(const Vec3& to, const Vec3& from) { return to == from ? Vec3(0, -1, 0) : glm::normalize(to - from); }
 
@@ -80,18 +78,18 @@ Arrival RectangleEmitter::seen_along(const Vec3& p, const Vec3& direction) const
 }
 
 DiscEmitter::DiscEmitter(const DiscLight<SampledMode>& light)
-    : NearEmitter(light, k_pi * light.radius * light.radius), middle_(light.position), normal_(direction_to(light.target, light.position)),
-      radius_(light.radius) {}
+    : NearEmitter(light, std::numbers::pi_v<float> * light.radius * light.radius), middle_(light.position),
+      normal_(direction_to(light.target, light.position)), radius_(light.radius) {}
 
 /// Light from the disc's front; the density of area is 1 / (pi radius^2).
 Arrival DiscEmitter::arrive(const Vec3& direction, float distance) const {
   const float facing = -glm::dot(direction, normal_);
   if (facing <= 0) return {direction, Vec3(0), 0, false};
-  return {direction, radiance_, distance * distance / (facing * k_pi * radius_ * radius_), false, distance};
+  return {direction, radiance_, distance * distance / (facing * std::numbers::pi_v<float> * radius_ * radius_), false, distance};
 }
 
 Arrival DiscEmitter::sample(const Vec3& p, Vec2 u) const {
-  const float r = radius_ * std::sqrt(u.x), phi = 2 * k_pi * u.y;
+  const float r = radius_ * std::sqrt(u.x), phi = 2 * std::numbers::pi_v<float> * u.y;
   const Vec3 way = middle_ + OrthonormalBasis(normal_).world_from_local({r * std::cos(phi), r * std::sin(phi), 0}) - p;
   const float distance = glm::length(way);
   return distance > 0 ? arrive(way / distance, distance) : Arrival{};
@@ -104,17 +102,17 @@ Arrival DiscEmitter::seen_along(const Vec3& p, const Vec3& direction) const {
 }
 
 SphereEmitter::SphereEmitter(const SphereLight<SampledMode>& light)
-    : NearEmitter(light, k_pi * light.radius * light.radius), middle_(light.position), radius_(light.radius) {}
+    : NearEmitter(light, std::numbers::pi_v<float> * light.radius * light.radius), middle_(light.position), radius_(light.radius) {}
 
 Arrival SphereEmitter::sample(const Vec3& p, Vec2 u) const {
   const Vec3 to_middle = middle_ - p;
   const float d = glm::length(to_middle);
   if (d <= radius_) return {};
-  const float sine = radius_ / d, sine2 = sine * sine, cap = sine2 / (1 + std::sqrt(1 - sine2));        // 1 - the cosine of the cone
-  const float below = u.x * cap, cosine = 1 - below, phi = 2 * k_pi * u.y, away2 = below * (2 - below); // away: a sine
+  const float sine = radius_ / d, sine2 = sine * sine, cap = sine2 / (1 + std::sqrt(1 - sine2)); // 1 - the cosine of the cone
+  const float below = u.x * cap, cosine = 1 - below, phi = 2 * std::numbers::pi_v<float> * u.y, away2 = below * (2 - below); // away: a sine
   const Vec3 local(std::sqrt(away2) * std::cos(phi), std::sqrt(away2) * std::sin(phi), cosine);
   const float distance = d * cosine - std::sqrt(std::max(0.f, radius_ * radius_ - d * d * away2));
-  return {OrthonormalBasis(to_middle / d).world_from_local(local), radiance_, 1 / (2 * k_pi * cap), false, distance};
+  return {OrthonormalBasis(to_middle / d).world_from_local(local), radiance_, 1 / (2 * std::numbers::pi_v<float> * cap), false, distance};
 }
 
 Arrival SphereEmitter::seen_along(const Vec3& p, const Vec3& direction) const {
@@ -124,7 +122,7 @@ Arrival SphereEmitter::seen_along(const Vec3& p, const Vec3& direction) const {
   if (d <= radius_ || along <= 0 || passes > radius_) return {direction, Vec3(0), 0, false};
   const float sine = radius_ / d, sine2 = sine * sine, cap = sine2 / (1 + std::sqrt(1 - sine2));
   const float distance = along - std::sqrt((radius_ - passes) * (radius_ + passes));
-  return {direction, radiance_, 1 / (2 * k_pi * cap), false, distance};
+  return {direction, radiance_, 1 / (2 * std::numbers::pi_v<float> * cap), false, distance};
 }
 
 Arrival PointEmitter::sample(const Vec3& p, Vec2) const {

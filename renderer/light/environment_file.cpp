@@ -16,8 +16,8 @@ namespace kelpie {
 
 namespace {
 
-constexpr int k_max_side = 65536;
-constexpr float k_largest_half = 65504;
+constexpr int k_max_map_side = 65536;
+constexpr float k_largest_texel = 65504;
 constexpr size_t k_max_texels = size_t(1) << 27; // 1.5 GB of floats
 
 /// Texels as they are in the file, three floats each.
@@ -32,7 +32,7 @@ struct RawMap {
 }
 
 void check_size(const std::string& path, int width, int height) {
-  if (width < 1 || height < 1 || width > k_max_side || height > k_max_side || size_t(width) * size_t(height) > k_max_texels)
+  if (width < 1 || height < 1 || width > k_max_map_side || height > k_max_map_side || size_t(width) * size_t(height) > k_max_texels)
     fail(path, fmt::format("{}×{} pixels are no map of a size that can be used", width, height));
 }
 
@@ -86,7 +86,7 @@ EnvironmentMap EnvironmentMap::load(const std::string& path, Diagnostics& warnin
   const size_t n = size_t(map.width) * size_t(map.height);
   size_t cleaned = 0, clamped = 0;
   for (float& v : map.rgb) {
-    if (v == std::numeric_limits<float>::infinity()) v = k_largest_half, ++clamped; // a sun that was too bright for its format
+    if (v == std::numeric_limits<float>::infinity()) v = k_largest_texel, ++clamped; // a sun that was too bright for its format
     if (!std::isfinite(v)) v = 0, ++cleaned;
   }
   if (map.chromaticities)
@@ -101,7 +101,7 @@ EnvironmentMap EnvironmentMap::load(const std::string& path, Diagnostics& warnin
       cleaned += v < -1e-4f || !std::isfinite(v);
       texels[i][c] = v > 0 && std::isfinite(v) ? v : 0.f;
     }
-  if (clamped > 0) warnings.warning({path}, fmt::format("{} values are infinite; they are taken as {}", clamped, k_largest_half));
+  if (clamped > 0) warnings.warning({path}, fmt::format("{} values are infinite; they are taken as {}", clamped, k_largest_texel));
   if (cleaned > 0) warnings.warning({path}, fmt::format("{} values are negative or no numbers; they are taken as 0", cleaned));
   return EnvironmentMap(map.width, map.height, std::move(texels));
 }

@@ -10,7 +10,6 @@ namespace kelpie {
 
 namespace {
 
-constexpr float k_pi = std::numbers::pi_v<float>;
 constexpr double k_uniform_part = 0.01;
 
 /// Where in a cumulative distribution u lies: its step, and how far into it.
@@ -81,7 +80,7 @@ void EnvironmentMap::build_distribution() {
 float EnvironmentMap::density(int row, int column) const {
   const float* cdf = &column_cdf_[size_t(row) * size_t(width_ + 1) + size_t(column)];
   const float probability = (row_cdf_[row + 1] - row_cdf_[row]) * (cdf[1] - cdf[0]);
-  return probability * float(width_) / (2 * k_pi * (row_cos_[row] - row_cos_[row + 1]));
+  return probability * float(width_) / (2 * std::numbers::pi_v<float> * (row_cos_[row] - row_cos_[row + 1]));
 }
 
 Vec3 EnvironmentMap::between_texels(float u, float v) const {
@@ -95,7 +94,8 @@ Vec3 EnvironmentMap::between_texels(float u, float v) const {
 }
 
 Vec3 EnvironmentMap::radiance(const Vec3& d) const {
-  return between_texels(0.5f + std::atan2(d.x, -d.z) / (2 * k_pi), std::acos(std::clamp(d.y, -1.f, 1.f)) / k_pi);
+  return between_texels(0.5f + std::atan2(d.x, -d.z) / (2 * std::numbers::pi_v<float>),
+                        std::acos(std::clamp(d.y, -1.f, 1.f)) / std::numbers::pi_v<float>);
 }
 
 LightSample EnvironmentMap::sample(const Vec2& u) const {
@@ -103,16 +103,17 @@ LightSample EnvironmentMap::sample(const Vec2& u) const {
   const size_t r = size_t(row.step), w = size_t(width_);
   const Inverse column = invert(&column_cdf_[r * (w + 1)], &column_guide_[r * w], width_, u.x);
   const float y = row_cos_[r] + (row_cos_[r + 1] - row_cos_[r]) * row.offset, sine = std::sqrt(std::max(0.f, 1 - y * y));
-  const float place = (float(column.step) + column.offset) / float(width_), phi = 2 * k_pi * (place - 0.5f);
+  const float place = (float(column.step) + column.offset) / float(width_), phi = 2 * std::numbers::pi_v<float> * (place - 0.5f);
   LightSample sample;
   sample.direction = {sine * std::sin(phi), y, -sine * std::cos(phi)};
-  sample.radiance = between_texels(place, std::acos(y) / k_pi);
+  sample.radiance = between_texels(place, std::acos(y) / std::numbers::pi_v<float>);
   sample.pdf = density(row.step, column.step);
   return sample;
 }
 
 float EnvironmentMap::pdf(const Vec3& d) const {
-  const float s = 0.5f + std::atan2(d.x, -d.z) / (2 * k_pi), t = std::acos(std::clamp(d.y, -1.f, 1.f)) / k_pi;
+  const float s = 0.5f + std::atan2(d.x, -d.z) / (2 * std::numbers::pi_v<float>),
+              t = std::acos(std::clamp(d.y, -1.f, 1.f)) / std::numbers::pi_v<float>;
   return density(std::clamp(static_cast<int>(t * float(height_)), 0, height_ - 1),
                  std::clamp(static_cast<int>(s * float(width_)), 0, width_ - 1));
 }

@@ -11,8 +11,6 @@ namespace kelpie {
 
 namespace {
 
-constexpr float k_pi = std::numbers::pi_v<float>;
-
 float smooth_step(float from, float to, float x) {
   const float t = std::clamp((x - from) / (to - from), 0.f, 1.f);
   return t * t * (3 - 2 * t);
@@ -108,9 +106,9 @@ template <class Function>
 EnvironmentMap paint(int width, int height, Function&& colour) {
   std::vector<Vec3> texels(size_t(width) * size_t(height));
   parallel_for(0, height, [&](int row) {
-    const float theta = k_pi * (float(row) + 0.5f) / float(height);
+    const float theta = std::numbers::pi_v<float> * (float(row) + 0.5f) / float(height);
     for (int column = 0; column < width; ++column) {
-      const float phi = 2 * k_pi * ((float(column) + 0.5f) / float(width) - 0.5f);
+      const float phi = 2 * std::numbers::pi_v<float> * ((float(column) + 0.5f) / float(width) - 0.5f);
       const Vec3 d(std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi));
       texels[size_t(row) * size_t(width) + size_t(column)] = colour(d);
     }

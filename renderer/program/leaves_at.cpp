@@ -10,14 +10,14 @@ constexpr int k_together = 8;
 /// The derivatives of an operator's value by those of its operands.
 template <Operator Kind>
 void derivatives_of(const Kind& kind, const std::vector<double>& operands, double threshold, Demand demand, std::vector<double>& out) {
-  using Variable = Dual<double, k_together>;
-  std::vector<Variable> variables(operands.begin(), operands.end());
+  using Operand = Dual<double, k_together>;
+  std::vector<Operand> variables(operands.begin(), operands.end());
   out.resize(operands.size());
   for (size_t first = 0; first < operands.size(); first += k_together) {
     const size_t count = std::min<size_t>(k_together, operands.size() - first);
-    for (size_t i = 0; i < count; ++i) variables[first + i] = Variable::variable(operands[first + i], int(i));
-    const Variable value = kind.combine(std::span<const Variable>(variables), threshold, demand);
-    for (size_t i = 0; i < count; ++i) out[first + i] = value.d[i], variables[first + i] = Variable(operands[first + i]);
+    for (size_t i = 0; i < count; ++i) variables[first + i] = Operand::variable(operands[first + i], int(i));
+    const Operand value = kind.combine(std::span<const Operand>(variables), threshold, demand);
+    for (size_t i = 0; i < count; ++i) out[first + i] = value.d[i], variables[first + i] = Operand(operands[first + i]);
   }
 }
 
