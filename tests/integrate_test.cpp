@@ -1,6 +1,8 @@
 // Light transport against what is known in closed form.
 #include <cmath>
 
+#include <numbers>
+
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -10,8 +12,6 @@
 
 namespace kelpie {
 namespace {
-
-constexpr double k_pi = 3.14159265358979;
 
 // The property that makes few samples enough: every 16 samples of a pixel fill all elementary intervals.
 // Many samples at once are what each is alone, to the last bit.
@@ -164,7 +164,7 @@ TEST(Integrate, SmallChromeDropsDoNotSparkle) {
     return result;
   };
   const Seen plain = seen(false), smooth = seen(true);
-  const double r2 = 1 - std::sqrt(0.5), pixel = 2 * std::tan(double(scene.camera.fov) * k_pi / 360) / scene.film.resolution.y;
+  const double r2 = 1 - std::sqrt(0.5), pixel = 2 * std::tan(double(scene.camera.fov) * std::numbers::pi / 360) / scene.film.resolution.y;
   const double truth = 0.9 * sun.strength * r2 / 4 / (8 * 8 * pixel * pixel);
   EXPECT_NEAR(smooth.mean, truth, 0.2 * truth); // a rough ball throws more back to where light comes from
   EXPECT_LT(smooth.noise, 0.1);
@@ -187,7 +187,7 @@ TEST(Integrate, SunOnAPlane) {
   scene.lights.emplace_back(sun);
   scene.camera.position = Vec3(0, 0, 3), scene.film.resolution = {8, 8}, scene.film.spp = 1;
   const IntegrateResult result = render(scene);
-  for (const float v : result.image.find("B")->pixels) EXPECT_NEAR(v, 0.5 * 2 / k_pi, 1e-5);
+  for (const float v : result.image.find("B")->pixels) EXPECT_NEAR(v, 0.5 * 2 / std::numbers::pi, 1e-5);
 }
 
 TEST(Integrate, GeometryOfTheCentralSample) {

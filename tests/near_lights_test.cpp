@@ -1,6 +1,8 @@
 // Lights that have a place in the scene, against closed forms: by themselves, and in whole frames.
 #include <cmath>
 
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 #include "renderer/integrate/orthonormal_basis.h"
@@ -10,8 +12,7 @@
 namespace kelpie {
 namespace {
 
-constexpr double k_pi = 3.14159265358979;
-constexpr uint32_t k_samples = 4096;
+constexpr uint32_t k_light_samples = 4096;
 
 template <class Kind>
 Light light_of(const Kind& kind) {
@@ -23,9 +24,9 @@ Light light_of(const Kind& kind) {
 /// On a surface at p of normal n, by samples of the light.
 double irradiance(const Light& light, const Vec3& p, const Vec3& n) {
   double sum = 0;
-  for (uint32_t s = 0; s < k_samples; ++s) {
+  for (uint32_t s = 0; s < k_light_samples; ++s) {
     const Arrival a = light.sample(p, Sampler(0, 0, 0, s).next_pair());
-    if (a.pdf > 0) sum += a.radiance.x * std::max(0.f, glm::dot(a.direction, n)) / a.pdf / k_samples;
+    if (a.pdf > 0) sum += a.radiance.x * std::max(0.f, glm::dot(a.direction, n)) / a.pdf / k_light_samples;
   }
   return sum;
 }
@@ -62,7 +63,7 @@ TEST(NearLights, RectangleHasItsFormFactor) {
 }
 
 TEST(NearLights, DiscHasItsFormFactor) {
-  const double radiance = 10 / (k_pi * 0.7 * 0.7), expected = k_pi * radiance * 0.7 * 0.7 / (0.7 * 0.7 + 1.5 * 1.5);
+  const double radiance = 10 / (std::numbers::pi * 0.7 * 0.7), expected = std::numbers::pi * radiance * 0.7 * 0.7 / (0.7 * 0.7 + 1.5 * 1.5);
   EXPECT_NEAR(irradiance(light_of(disc()), Vec3(0), Vec3(0, 0, 1)), expected, 0.01 * expected);
   EXPECT_EQ(irradiance(light_of(disc()), Vec3(0, 0, 3), Vec3(0, 0, -1)), 0);
 }
@@ -101,7 +102,7 @@ TEST(NearLights, SamplesAreWhatRaysFind) {
       const Vec3 p(r.uniform(-2, 2), r.uniform(-2, 2), r.uniform(-2, 1));
       int found = 0;
       double density = 0, seen = 0;
-      for (uint32_t i = 0; i < k_samples; ++i) {
+      for (uint32_t i = 0; i < k_light_samples; ++i) {
         const Arrival a = light.sample(p, Sampler(0, 0, 0, i).next_pair());
         if (!(a.pdf > 0)) continue;
         ASSERT_NEAR(glm::length(a.direction), 1, 1e-5);
@@ -112,14 +113,14 @@ TEST(NearLights, SamplesAreWhatRaysFind) {
         EXPECT_NEAR(a.pdf, b.pdf, 2e-3 * a.pdf);
         EXPECT_NEAR(a.distance, b.distance, 2e-3 * a.distance);
       }
-      EXPECT_GT(found, 0.98 * k_samples);
+      EXPECT_GT(found, 0.98 * k_light_samples);
       const OrthonormalBasis around(glm::normalize(light.sample(p, Vec2(0.5f)).direction));
       constexpr int n = 300;
       for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) {
-          const double cosine = 1 - 2 * (i + 0.5) / n, sine = std::sqrt(1 - cosine * cosine), phi = 2 * k_pi * (j + 0.5) / n;
+          const double cosine = 1 - 2 * (i + 0.5) / n, sine = std::sqrt(1 - cosine * cosine), phi = 2 * std::numbers::pi * (j + 0.5) / n;
           const Arrival a = light.seen_along(p, around.world_from_local(Vec3(sine * std::cos(phi), sine * std::sin(phi), cosine)));
-          density += a.pdf * 4 * k_pi / (n * n), seen += a.pdf > 0;
+          density += a.pdf * 4 * std::numbers::pi / (n * n), seen += a.pdf > 0;
         }
       EXPECT_NEAR(density, 1, 0.02 + 5 / std::sqrt(seen * 4)) << seen;
     }
@@ -155,7 +156,7 @@ TEST(NearLightsInAFrame, LightAMattePlane) {
   auto light = sphere();
   light.visible = false;
   scene.lights.emplace_back(light);
-  const double expected = 0.5 / k_pi * 10 / 5.0 * 2 / std::sqrt(5.0);
+  const double expected = 0.5 / std::numbers::pi * 10 / 5.0 * 2 / std::sqrt(5.0);
   EXPECT_NEAR(mean_green(scene), expected, 0.01 * expected);
   PointLight<SampledMode> point;
   point.position = light.position, point.strength = 10;
@@ -203,7 +204,7 @@ TEST(NearLightsInAFrame, AreSeenUnlessTheyAreInvisible) {
   auto light = sphere();
   light.position = Vec3(0, 0, 3);
   scene.lights.emplace_back(light);
-  const double radiance = 10 / (k_pi * 0.7 * 0.7);
+  const double radiance = 10 / (std::numbers::pi * 0.7 * 0.7);
   EXPECT_NEAR(mean_green(scene), radiance, 1e-3 * radiance);
   std::get<SphereLight<SampledMode>>(scene.lights[0]).visible = false;
   EXPECT_EQ(mean_green(scene), 0);
@@ -220,7 +221,7 @@ TEST(NearLightsInAFrame, AreSeenInAMirror) {
   auto light = sphere();
   light.position = Vec3(0, 0, 3), light.visible = false;
   scene.lights.emplace_back(light);
-  const double radiance = 10 / (k_pi * 0.7 * 0.7);
+  const double radiance = 10 / (std::numbers::pi * 0.7 * 0.7);
   for (const int bounces : {0, 2}) {
     scene.film.bounces = bounces;
     EXPECT_NEAR(mean_green(scene), radiance, 1e-3 * radiance) << bounces;

@@ -10,11 +10,11 @@
 namespace kelpie {
 namespace {
 
-std::string scene_with(const std::string& field) {
+std::string scene_of_shapes(const std::string& field) {
   return fmt::format(R"({{"kelpie":1,"frames":{{"first":1,"last":9}},"shapes":[{{"name":"a","field":{}}}]}})", field);
 }
 std::string morph_of(const std::string& from, const std::string& to, double progress) {
-  return scene_with(fmt::format(R"({{"kind":"animorphosis","from":{},"to":{},"progress":{}}})", from, to, progress));
+  return scene_of_shapes(fmt::format(R"({{"kind":"animorphosis","from":{},"to":{},"progress":{}}})", from, to, progress));
 }
 
 /// The field of a scene.
@@ -67,16 +67,16 @@ TEST(LimbsBetween, KeepTheirBends) {
   const std::string straight = limb("[[-1,0,0],[1,0,0]]", "[0.2,0.1]", "catmull_rom");
   const std::string pieces = limb("[[-1,0,0],[-0.5,0.6,0],[0,1,0],[0.5,0.6,0]]", "0.12", "bezier");
   for (const auto& [from, to] : {std::pair(bent, wavy), std::pair(straight, bent), std::pair(pieces, wavy), std::pair(wavy, straight)}) {
-    EXPECT_LT(largest_difference(Field(folder, morph_of(from, to, 0)), Field(folder, scene_with(from))), k_within_detail);
-    EXPECT_LT(largest_difference(Field(folder, morph_of(from, to, 1)), Field(folder, scene_with(to))), k_within_detail);
+    EXPECT_LT(largest_difference(Field(folder, morph_of(from, to, 0)), Field(folder, scene_of_shapes(from))), k_within_detail);
+    EXPECT_LT(largest_difference(Field(folder, morph_of(from, to, 1)), Field(folder, scene_of_shapes(to))), k_within_detail);
   }
   // The same limb with more points is the same at any time: nothing is drawn straight on the way.
   const std::string more = limb("[[-1,0,0],[-0.6666667,0.3333333,0],[-0.3333333,1,0],[0,1,0],[0.3333333,1,0],"
                                 "[0.6666667,0.3333333,0],[1,0,0]]",
                                 "[0.1,0.1666667,0.3,0.3,0.3,0.1666667,0.1]", "cubic_beziers");
-  const Field same(folder, scene_with(bent));
+  const Field same(folder, scene_of_shapes(bent));
   EXPECT_GT(same(Vec3d(0, 1, 0)), 1.9);
-  const double apart = largest_difference(Field(folder, scene_with(more)), same);
+  const double apart = largest_difference(Field(folder, scene_of_shapes(more)), same);
   EXPECT_LT(apart, k_within_detail);
   EXPECT_LT(largest_difference(Field(folder, morph_of(bent, more, 0.5)), same), k_within_detail);
 }
@@ -91,7 +91,7 @@ TEST(SolidsBetween, KeepTheirVolume) {
                     cone = leaf(R"("kind":"cone","from":[0,-1,0],"to":[0,1.5,0],"from_radius":1,"to_radius":0.2)"),
                     hull = leaf(R"("kind":"polyhedron","points":[[-1,-1,-1],[1,-1,0],[0,-1,1.5],[0,1.5,0],[1,1,1]])");
   for (const auto& [from, to] : {std::pair(box, torus), std::pair(torus, cone), std::pair(cone, hull), std::pair(torus, hull)}) {
-    const double start = volume(Field(folder, scene_with(from))), end = volume(Field(folder, scene_with(to)));
+    const double start = volume(Field(folder, scene_of_shapes(from))), end = volume(Field(folder, scene_of_shapes(to)));
     for (const double s : {0.25, 0.4, 0.5, 0.6, 0.75}) {
       const double expected = (1 - s) * start + s * end;
       EXPECT_NEAR(volume(Field(folder, morph_of(from, to, s))), expected, 0.1 * expected) << from << to << s;

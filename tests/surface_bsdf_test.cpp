@@ -9,7 +9,7 @@
 namespace kelpie {
 namespace {
 
-constexpr uint32_t k_samples = 32768;
+constexpr uint32_t k_surface_samples = 32768;
 constexpr std::array k_roughnesses{0.0f, 0.1f, 0.2f, 0.35f, 0.5f, 0.8f, 1.0f};
 constexpr std::array k_cosines{0.15, 0.2, 0.35, 0.5, 0.7, 0.9, 1.0};
 
@@ -38,7 +38,7 @@ Boundary inside(const SurfaceParameters& s) { return {s.specular_ior, 1, true}; 
 /// All of the energy that comes in goes out, whatever the angle.
 void expect_white(const SurfaceBsdf& bsdf, double tolerance = 0.01) {
   for (const double cosine : k_cosines) {
-    const Vec3d energy = sampled(bsdf, direction(cosine, 0.4), k_samples).energy;
+    const Vec3d energy = sampled(bsdf, direction(cosine, 0.4), k_surface_samples).energy;
     EXPECT_NEAR(energy.x, 1, tolerance) << "cosine " << cosine;
     EXPECT_EQ(energy.x, energy.y);
   }
@@ -101,7 +101,7 @@ TEST(SurfaceBsdf, RoughGroundKeepsAboutItsAlbedo) {
   Matte<SampledMode> matte;
   matte.colour.rgb = Vec3(0.8f, 0.5f, 0.1f), matte.roughness = 1;
   for (const double cosine : k_cosines) {
-    const Vec3d energy = sampled(SurfaceBsdf(matte.surface()), direction(cosine, 0), k_samples).energy;
+    const Vec3d energy = sampled(SurfaceBsdf(matte.surface()), direction(cosine, 0), k_surface_samples).energy;
     for (int c = 0; c < 3; ++c) {
       EXPECT_LT(energy[c], matte.colour.rgb[c] * 1.01);
       EXPECT_GT(energy[c], matte.colour.rgb[c] * 0.7);
