@@ -1,6 +1,5 @@
 // Light transport against what is known in closed form.
 #include <cmath>
-
 #include <numbers>
 
 #include <gtest/gtest.h>

@@ -1,6 +1,5 @@
 // Lights that have a place in the scene, against closed forms: by themselves, and in whole frames.
 #include <cmath>
-
 #include <numbers>
 
 #include <gtest/gtest.h>
