@@ -343,6 +343,21 @@ TEST(Animorphosis, MaterialsOfOneKindMixTheirNumbersAndOthersDissolve) {
   EXPECT_EQ(std::get<Matte<SampledMode>>(of_other[transition.from.index]).colour.rgb, Vec3(1, 0, 0));
 }
 
+/// What an instance shows has the instance's time, its materials too.
+TEST(Animorphosis, MaterialsKeepTheTimeOfTheirInstance) {
+  const SceneFolder folder;
+  const std::string turning = R"({"kind":"matte","colour":{"keys":[[1,[0,0,0]],[11,[1,1,1]]]}})";
+  const std::string part = fmt::format(R"({{"kind":"point","centre":[0,0,0],"radius":1,"material":{}}})", turning);
+  const std::string late = R"({"kind":"instance","of":"p","time_offset":2})";
+  const std::string morph =
+      morph_of(late, R"({"kind":"point","centre":[0,0,0],"radius":2,"material":{"kind":"matte","colour":[1,0,0]}})", "0.5");
+  std::string scene = scene_with(morph);
+  scene.insert(scene.find('{') + 1, fmt::format(R"("parts":{{"p":{}}},)", part));
+  const FrameScene frame = sample(folder.read(scene), 6);
+  const MaterialIndex own = frame.shapes[0].field.materials.at(0);
+  EXPECT_NEAR(std::get<Matte<SampledMode>>(frame.materials[own.index]).colour.rgb.y, 0.5f * 0.3f, 1e-6f);
+}
+
 /// Between a pattern and a metal the one grows through the other: at s the second has the share s of space, nothing at 0, all at 1.
 TEST(Animorphosis, OneMaterialGrowsThroughTheOther) {
   const SceneFolder folder;

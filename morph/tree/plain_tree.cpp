@@ -1,6 +1,7 @@
 #include "morph/tree/plain_tree.h"
 
 #include <array>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -48,7 +49,7 @@ public:
     if (++count_ > k_most_plain_nodes)
       throw Error(ExitStatus::bad_data, fmt::format("animorphosis: more than {} nodes, with all instances", k_most_plain_nodes),
                   node.where);
-    if (node.material) way.material = node.material;
+    if (node.material) way.material = in_time(node.material, way.time);
     if (const auto* instance = std::get_if<Instance<A>>(&node.kind)) return placed(*instance, node, way);
     FieldPtr out = node_of(retimed_kind(node.kind, way.time), node.where);
     out->name = node.name;
@@ -67,10 +68,33 @@ private:
     if (std::is_same_v<Kind, Metamorphosis<A>>) below.is_below_blend = false; // its objects are distances
     size_t count = 0;
     for_each_edge(kind, [&](const auto&, const ParameterRules&) { ++count; });
+    const auto retime_material = [&]<class T>(const ParameterRules&, T& value) {
+      if constexpr (IsMaterialEdge<T>) value = in_time(value, way.time);
+    };
+    for_each_value(retime_material, kind);
     if (count == 0 || (k_moves_space<Kind> && has_place(way.material))) node.material = way.material, below.material = nullptr;
     for_each_edge(kind, [&]<class Edge>(Edge& edge, const ParameterRules&) {
       if constexpr (std::is_same_v<Edge, FieldPtr>) edge = (*this)(*edge, below);
     });
+  }
+
+  /// The same material as long as nothing of it moves.
+  AnimatedMode::Material in_time(const AnimatedMode::Material& material, const TimeMap& time) {
+    if (!material || time == TimeMap{}) return material;
+    AnimatedMode::Material& known = materials_[{material.get(), time}];
+    if (known) return known;
+    auto copy = std::make_shared<MaterialNode>(*material);
+    bool moves = false;
+    const auto retime = [&]<class T>(const ParameterRules&, T& value) {
+      if constexpr (IsAnimated<T>) {
+        moves |= !value.is_constant(), value = retimed(value, time);
+      } else if constexpr (IsMaterialEdge<T>) {
+        const T before = value;
+        value = in_time(before, time), moves |= value != before;
+      }
+    };
+    std::visit([&](auto& kind) { for_each_value(retime, kind); }, copy->kind);
+    return known = moves ? AnimatedMode::Material(std::move(copy)) : material;
   }
 
   template <class Kind>
@@ -99,6 +123,7 @@ private:
   }
 
   Animated<float> threshold_;
+  std::map<std::pair<const MaterialNode*, TimeMap>, AnimatedMode::Material> materials_; ///< of in_time()
   size_t count_ = 0;
 };
 

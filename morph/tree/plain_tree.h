@@ -15,9 +15,9 @@ struct TreePlace {
   AnimatedMode::Material material; ///< of what has none of its own; not null
 };
 
-/// A copy of a tree without references, in one time: instances are affine warps above copies of their parts, numbers are retimed, Booleans
-/// have the formula that they would have chosen, a `surface_radius` is the radius that it stands for, and materials stand on leaves, or
-/// patterns, which live in a space, on the warps that change it. Throws an Error (bad_data) where that would be more than
+/// A copy of a tree without references, in one time: instances are affine warps above copies of their parts, numbers and materials are
+/// retimed, Booleans have the formula that they would have chosen, a `surface_radius` is the radius that it stands for, and materials stand
+/// on leaves, or patterns, which live in a space, on the warps that change it. Throws an Error (bad_data) where that would be more than
 /// k_most_plain_nodes.
 FieldPtr plain_tree(const FieldNode& root, const TreePlace& place);
 inline constexpr size_t k_most_plain_nodes = 20'000;
