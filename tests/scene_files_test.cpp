@@ -10,7 +10,7 @@
 namespace kelpie {
 namespace {
 
-const std::string k_point = R"({"kind":"point","centre":[0,0,0],"radius":1})";
+const std::string k_a_point = R"({"kind":"point","centre":[0,0,0],"radius":1})";
 
 std::string instance_of(const std::string& name, const std::string& more = "") {
   return "{\"kind\":\"instance\",\"of\":\"" + name + "\"" + more + "}";
@@ -24,7 +24,7 @@ void append(std::string& list, const std::string& element) {
 }
 
 /// A scene in two lines: its parts, and the field of its only shape.
-std::string scene_of(const std::string& parts, const std::string& field) {
+std::string scene_of_parts(const std::string& parts, const std::string& field) {
   return "{\"kelpie\":1,\"parts\":{" + parts + "},\n\"shapes\":[{\"name\":\"a\",\"field\":" + field + "}]}";
 }
 
@@ -33,8 +33,8 @@ const Instance<AnimatedMode>& as_instance(const FieldPtr& field) { return std::g
 TEST(Parts, AreSharedByTheirInstances) {
   const SceneFolder folder;
   const Scene scene =
-      folder.read(scene_of(R"("pair":)" + blend_of(instance_of("drop") + "," + instance_of("drop")) + ",\"drop\":" + k_point,
-                           blend_of(instance_of("pair") + "," + instance_of("drop"))));
+      folder.read(scene_of_parts(R"("pair":)" + blend_of(instance_of("drop") + "," + instance_of("drop")) + ",\"drop\":" + k_a_point,
+                                 blend_of(instance_of("pair") + "," + instance_of("drop"))));
   const FieldPtr drop = scene.parts.at("drop");
   const auto& of_shape = std::get<Blend<AnimatedMode>>(scene.shapes[0].field->kind).children;
   const auto& of_pair = std::get<Blend<AnimatedMode>>(scene.parts.at("pair")->kind).children;
@@ -78,31 +78,33 @@ TEST(Files, AreBlamedWhereTheyAreNamedFirst) {
 TEST(Parts, RefuseWhatLeadsNowhere) {
   const SceneFolder folder;
   const auto expect = [&](const std::string& parts, const std::string& field, const std::string& errors) {
-    EXPECT_EQ(folder.errors(scene_of(parts, field)), errors) << parts << "\n" << field;
+    EXPECT_EQ(folder.errors(scene_of_parts(parts, field)), errors) << parts << "\n" << field;
   };
-  const std::string at = "scene.json:2:55: ", drop = "\"drop\":" + k_point;
+  const std::string at = "scene.json:2:55: ", drop = "\"drop\":" + k_a_point;
   expect(drop, instance_of("drpo"), at + "unknown part \"drpo\" (did you mean \"drop\"?)");
   expect(drop, instance_of("xyz"), at + "unknown part \"xyz\"; known: drop");
   expect("", instance_of("drop"), at + "unknown part \"drop\": the scene has no parts");
   expect(drop, R"({"kind":"instance"})", "scene.json:2:31: missing key \"of\" of instance");
   expect(drop, R"({"kind":"instance","of":7})", at + "of: expected the name of a part, found a number");
   expect(drop, R"({"kind":"instance","of":"drop","scale":[1,0,1]})", "scene.json:2:73: scale must be other than 0, found 0");
-  expect("\"\":" + k_point, k_point, "scene.json:1:22: parts: a name may not be empty");
-  expect("\"drop\":" + k_point + ",\"drop\":" + k_point, k_point, "scene.json:1:74: duplicate key \"drop\" (also in line 1)");
+  expect("\"\":" + k_a_point, k_a_point, "scene.json:1:22: parts: a name may not be empty");
+  expect("\"drop\":" + k_a_point + ",\"drop\":" + k_a_point, k_a_point, "scene.json:1:74: duplicate key \"drop\" (also in line 1)");
   // Parts are checked whether or not anything uses them.
-  expect(R"("drop":{"kind":"point","centre":[0,0,0],"radius":-1})", k_point, "scene.json:1:71: radius must be > 0, found -1");
-  EXPECT_EQ(folder.errors(R"({"kelpie":1,"parts":[],"shapes":[{"name":"a","field":)" + k_point + "}]}"),
+  expect(R"("drop":{"kind":"point","centre":[0,0,0],"radius":-1})", k_a_point, "scene.json:1:71: radius must be > 0, found -1");
+  EXPECT_EQ(folder.errors(R"({"kelpie":1,"parts":[],"shapes":[{"name":"a","field":)" + k_a_point + "}]}"),
             "scene.json:1:21: parts: expected an object, found a list");
 }
 
 TEST(Parts, RefuseCycles) {
   const SceneFolder folder;
-  EXPECT_EQ(folder.errors(scene_of("\"a\":" + instance_of("a"), instance_of("a"))), "scene.json:1:50: a cycle of parts: \"a\" > \"a\"");
-  EXPECT_EQ(folder.errors(scene_of("\"a\":" + instance_of("b") + ",\"b\":" + instance_of("c") + ",\"c\":" + instance_of("b"), k_point)),
-            "scene.json:1:116: a cycle of parts: \"b\" > \"c\" > \"b\"");
+  EXPECT_EQ(folder.errors(scene_of_parts("\"a\":" + instance_of("a"), instance_of("a"))),
+            "scene.json:1:50: a cycle of parts: \"a\" > \"a\"");
+  EXPECT_EQ(
+      folder.errors(scene_of_parts("\"a\":" + instance_of("b") + ",\"b\":" + instance_of("c") + ",\"c\":" + instance_of("b"), k_a_point)),
+      "scene.json:1:116: a cycle of parts: \"b\" > \"c\" > \"b\"");
   // All problems in one go: a cycle, a reference to nothing, a negative radius.
-  EXPECT_EQ(folder.errors(
-                scene_of("\"a\":" + instance_of("a") + ",\"b\":" + instance_of("c"), R"({"kind":"point","centre":[0,0,0],"radius":-2})")),
+  EXPECT_EQ(folder.errors(scene_of_parts("\"a\":" + instance_of("a") + ",\"b\":" + instance_of("c"),
+                                         R"({"kind":"point","centre":[0,0,0],"radius":-2})")),
             "scene.json:1:50: a cycle of parts: \"a\" > \"a\"\n"
             "scene.json:1:83: unknown part \"c\" (did you mean \"a\"?)\n"
             "scene.json:2:73: radius must be > 0, found -2");
@@ -110,7 +112,7 @@ TEST(Parts, RefuseCycles) {
   std::string chain;
   for (int i = 0; i < 100'000; ++i) chain += fmt::format("\"p{}\":{},", i, instance_of(fmt::format("p{}", (i + 1) % 100'000)));
   chain.pop_back();
-  const std::string error = folder.errors(scene_of(chain, k_point));
+  const std::string error = folder.errors(scene_of_parts(chain, k_a_point));
   EXPECT_NE(error.find("a cycle of parts: "), std::string::npos);
   EXPECT_LT(error.size(), 200u);
 }
@@ -119,9 +121,9 @@ TEST(Parts, KeepToTheDepthOfFields) {
   const SceneFolder folder;
   // A point below n instances.
   const auto chain = [](int n) {
-    std::string parts = "\"p0\":" + k_point;
+    std::string parts = "\"p0\":" + k_a_point;
     for (int i = 1; i < n; ++i) parts += fmt::format(",\"p{}\":{}", i, instance_of(fmt::format("p{}", i - 1)));
-    return scene_of(parts, instance_of(fmt::format("p{}", n - 1)));
+    return scene_of_parts(parts, instance_of(fmt::format("p{}", n - 1)));
   };
   EXPECT_EQ(folder.errors(chain(63)), "");
   EXPECT_EQ(folder.errors(chain(64)), "scene.json:2:55: more than 64 fields in one another");
@@ -132,13 +134,13 @@ TEST(Parts, KeepToTheDepthOfFields) {
 TEST(Parts, KeepToTheNumberOfElements) {
   const SceneFolder folder;
   const auto tower = [](int height, int width) {
-    std::string parts = "\"p0\":" + k_point;
+    std::string parts = "\"p0\":" + k_a_point;
     for (int i = 1; i <= height; ++i) {
       std::string users;
       for (int j = 0; j < width; ++j) append(users, instance_of(fmt::format("p{}", i - 1)));
       parts += fmt::format(",\"p{}\":{}", i, blend_of(users));
     }
-    return scene_of(parts, instance_of(fmt::format("p{}", height)));
+    return scene_of_parts(parts, instance_of(fmt::format("p{}", height)));
   };
   EXPECT_EQ(folder.errors(tower(3, 10)), "");
   const auto before = std::chrono::steady_clock::now();
@@ -152,15 +154,16 @@ TEST(Parts, KeepToTheNumberOfElements) {
   folder.write("large.ply", cloud);
   std::string users;
   for (int j = 0; j < 600; ++j) append(users, instance_of("large"));
-  EXPECT_NE(folder.errors(scene_of(R"("large":{"kind":"blobs","file":"large.ply"})", blend_of(users))).find("1.2e+07 elements"),
+  EXPECT_NE(folder.errors(scene_of_parts(R"("large":{"kind":"blobs","file":"large.ply"})", blend_of(users))).find("1.2e+07 elements"),
             std::string::npos);
 }
 
 TEST(Parts, MoveAtTheirOwnTime) {
   const SceneFolder folder;
   const std::string moving = R"({"kind":"point","centre":{"keys":[[1,[0,0,0]],[3,[2,0,0]]]},"radius":1})";
-  const Scene scene = folder.read(scene_of("\"drop\":" + moving + ",\"late\":" + instance_of("drop", R"(,"time_offset":2)"),
-                                           instance_of("late", R"(,"time_offset":0.5,"position":{"keys":[[1,[0,0,0]],[2,[0,1,0]]]})")));
+  const Scene scene =
+      folder.read(scene_of_parts("\"drop\":" + moving + ",\"late\":" + instance_of("drop", R"(,"time_offset":2)"),
+                                 instance_of("late", R"(,"time_offset":0.5,"position":{"keys":[[1,[0,0,0]],[2,[0,1,0]]]})")));
   for (const auto& [frame, x] : {std::pair{1.0, 0.0}, {3.5, 0.0}, {4.5, 1.0}, {5.5, 2.0}, {9.0, 2.0}}) {
     const SampledField field = sample(scene, frame).shapes[0].field;
     EXPECT_EQ(std::get<Point<SampledMode>>(field.nodes[0]).centre.x, float(x)) << frame;
@@ -194,7 +197,7 @@ TEST(Parts, OfTheBraidLoop) {
 TEST(Materials, MayHaveNames) {
   const SceneFolder folder;
   const auto scene = [](const std::string& materials, const std::string& used) {
-    return R"({"kelpie":1,"shapes":[{"name":"a","field":)" + k_point + ",\n\"surface\":" + used + "}],\"materials\":{" + materials + "}}";
+    return R"({"kelpie":1,"shapes":[{"name":"a","field":)" + k_a_point + ",\n\"surface\":" + used + "}],\"materials\":{" + materials + "}}";
   };
   const std::string gold = R"("gold":{"kind":"metal","colour":[1,0.77,0.34]})";
   const Scene s = folder.read(scene(gold, "\"gold\""));
@@ -219,9 +222,9 @@ TEST(Materials, MayHaveNames) {
 
 TEST(Units, AreMetres) {
   const SceneFolder folder;
-  const std::string text = R"({"kelpie":1,"units":0.001,"shapes":[{"name":"a","field":)" + k_point + "}]}";
+  const std::string text = R"({"kelpie":1,"units":0.001,"shapes":[{"name":"a","field":)" + k_a_point + "}]}";
   EXPECT_EQ(folder.read(text).units, 0.001);
-  EXPECT_EQ(folder.read(scene_with_field(k_point)).units, 1);
+  EXPECT_EQ(folder.read(scene_with_field(k_a_point)).units, 1);
   EXPECT_EQ(folder.errors(text, {{"units=0"}, {}}), "--set units=0: units must be > 0, found 0");
   EXPECT_EQ(folder.errors(text, {{"units=mm"}, {}}), "--set units=mm: units: expected a number, found a string");
 }
@@ -240,7 +243,7 @@ TEST(Include, BringsPartsAndSurfaces) {
                R"({"kelpie":1, "include": ["../../metals.json"], "parts": {"cloud": {"kind":"blobs","file":"c.ply"}}})");
   folder.write("metals.json", R"({"kelpie":1, "materials": {"gold": {"kind":"metal"}}})");
   std::filesystem::copy_file(folder.path("cloud.ply"), folder.path("lib/deeper/c.ply"));
-  const std::string text = including("\"lib/drops.json\"", "\"parts\":{\"own\":" + k_point + "},");
+  const std::string text = including("\"lib/drops.json\"", "\"parts\":{\"own\":" + k_a_point + "},");
   const Scene scene = folder.read(text);
   EXPECT_EQ(scene.parts.size(), 3u);
   EXPECT_EQ(scene.materials.size(), 1u);
@@ -249,7 +252,7 @@ TEST(Include, BringsPartsAndSurfaces) {
   const Scene set = folder.read(text, {{"parts.own.radius=3", "shapes.a.surface=gold"}, {}});
   EXPECT_EQ(std::get<Point<AnimatedMode>>(set.parts.at("own")->kind).radius.at(0), 3);
   EXPECT_EQ(set.shapes[0].surface->kind.index(), 1u);
-  EXPECT_EQ(folder.errors(including(""), {{"include=[\"lib/drops.json\"]", "parts.own=" + k_point}, {}}), "");
+  EXPECT_EQ(folder.errors(including(""), {{"include=[\"lib/drops.json\"]", "parts.own=" + k_a_point}, {}}), "");
 }
 
 TEST(Include, TheHashSeesAllFiles) {
@@ -283,7 +286,7 @@ TEST(Include, RefusesCyclesAndWhatIsOutside) {
     EXPECT_NE(folder.errors(text).find("lies outside the scene's folder (--allow-path permits it)"), std::string::npos) << path;
     EXPECT_EQ(folder.status(text), ExitStatus::bad_data);
   }
-  other.write("o.json", "{\"kelpie\":1,\"parts\":{\"drop\":" + k_point + "}}");
+  other.write("o.json", "{\"kelpie\":1,\"parts\":{\"drop\":" + k_a_point + "}}");
   EXPECT_EQ(folder.errors(including("\"link.json\""), {{}, {other.path("")}}), "");
   // A file within a library is confined to the scene's folder, not to the library's.
   folder.write("lib/a.json", R"({"kelpie":1,"parts":{"drop":{"kind":"blobs","file":"../cloud.ply"}}})");
@@ -310,7 +313,7 @@ TEST(Include, RefusesWhatIsNoLibrary) {
     folder.write("lib.json", library);
     return folder.errors(including("\"lib.json\"", more));
   };
-  const std::string drop = "\"parts\":{\"drop\":" + k_point + "}";
+  const std::string drop = "\"parts\":{\"drop\":" + k_a_point + "}";
   EXPECT_EQ(errors("{\"kelpie\":1," + drop + "}"), "");
   EXPECT_EQ(errors("{" + drop + "}"), "lib.json:1:1: missing key \"kelpie\" of library");
   EXPECT_EQ(errors("{\"kelpie\":1,\"shapes\":[]," + drop + "}"),

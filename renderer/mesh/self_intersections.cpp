@@ -11,27 +11,31 @@ namespace kelpie {
 namespace {
 
 /// In steps of the lattice: differences take 24 bits, volumes 74.
-using Point = std::array<int64_t, 3>;
+using ExactPoint = std::array<int64_t, 3>;
 __extension__ using Wide = __int128;
 
-Point operator-(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Point cross(const Point& a, const Point& b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
+ExactPoint operator-(const ExactPoint& a, const ExactPoint& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+ExactPoint cross(const ExactPoint& a, const ExactPoint& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
 int sign_of(Wide v) { return (v > 0) - (v < 0); }
-int sign_of_dot(const Point& a, const Point& b) { return sign_of(Wide(a[0]) * b[0] + Wide(a[1]) * b[1] + Wide(a[2]) * b[2]); }
+int sign_of_dot(const ExactPoint& a, const ExactPoint& b) { return sign_of(Wide(a[0]) * b[0] + Wide(a[1]) * b[1] + Wide(a[2]) * b[2]); }
 
 /// The side of the plane through a, b, c on which d lies.
-int side(const Point& a, const Point& b, const Point& c, const Point& d) { return sign_of_dot(cross(b - a, c - a), d - a); }
+int side(const ExactPoint& a, const ExactPoint& b, const ExactPoint& c, const ExactPoint& d) {
+  return sign_of_dot(cross(b - a, c - a), d - a);
+}
 
 /// What lies in one plane, seen along an axis to which the plane is not parallel.
 struct Flat {
   size_t x, y;
-  int turn(const Point& a, const Point& b, const Point& c) const {
+  int turn(const ExactPoint& a, const ExactPoint& b, const ExactPoint& c) const {
     return sign_of(Wide(b[x] - a[x]) * (c[y] - a[y]) - Wide(b[y] - a[y]) * (c[x] - a[x]));
   }
-  bool is_between(const Point& a, const Point& b, const Point& p) const {
+  bool is_between(const ExactPoint& a, const ExactPoint& b, const ExactPoint& p) const {
     return std::min(a[x], b[x]) <= p[x] && p[x] <= std::max(a[x], b[x]) && std::min(a[y], b[y]) <= p[y] && p[y] <= std::max(a[y], b[y]);
   }
-  bool do_meet(const Point& a, const Point& b, const Point& c, const Point& d) const {
+  bool do_meet(const ExactPoint& a, const ExactPoint& b, const ExactPoint& c, const ExactPoint& d) const {
     const int abc = turn(a, b, c), abd = turn(a, b, d), cda = turn(c, d, a), cdb = turn(c, d, b);
     if (abc * abd < 0 && cda * cdb < 0) return true;
     return (abc == 0 && is_between(a, b, c)) || (abd == 0 && is_between(a, b, d)) || (cda == 0 && is_between(c, d, a)) ||
@@ -39,16 +43,16 @@ struct Flat {
   }
 };
 
-using Corners = std::array<Point, 3>;
+using ExactCorners = std::array<ExactPoint, 3>;
 
-Flat flat_of(const Corners& t) {
-  const Point normal = cross(t[1] - t[0], t[2] - t[0]);
+Flat flat_of(const ExactCorners& t) {
+  const ExactPoint normal = cross(t[1] - t[0], t[2] - t[0]);
   if (normal[2] != 0) return {0, 1};
   return normal[1] != 0 ? Flat{2, 0} : Flat{1, 2};
 }
 
 /// Whether a triangle and a segment have a point in common.
-bool do_meet(const Corners& t, const Point& p, const Point& q) {
+bool do_meet(const ExactCorners& t, const ExactPoint& p, const ExactPoint& q) {
   const int of_p = side(t[0], t[1], t[2], p), of_q = side(t[0], t[1], t[2], q);
   if (of_p * of_q > 0) return false;
   if (of_p == 0 && of_q == 0) {
@@ -72,14 +76,14 @@ public:
   }
 
   bool has_no_area(uint32_t triangle) const {
-    const Corners t = corners(triangles_[triangle]);
-    return cross(t[1] - t[0], t[2] - t[0]) == Point{0, 0, 0};
+    const ExactCorners t = corners(triangles_[triangle]);
+    return cross(t[1] - t[0], t[2] - t[0]) == ExactPoint{0, 0, 0};
   }
 
   bool do_meet(uint32_t first, uint32_t second) const {
     Triangle a = triangles_[first], b = triangles_[second];
     const size_t shared = bring_shared_to_front(a, b);
-    const Corners s = corners(a), t = corners(b);
+    const ExactCorners s = corners(a), t = corners(b);
     switch (shared) {
     case 0: return crosses(s, t) || crosses(t, s);
     case 1: return kelpie::do_meet(t, s[1], s[2]) || kelpie::do_meet(s, t[1], t[2]); // the sides opposite of the vertex
@@ -89,7 +93,7 @@ public:
   }
 
 private:
-  Corners corners(const Triangle& t) const { return {points_[t[0]], points_[t[1]], points_[t[2]]}; }
+  ExactCorners corners(const Triangle& t) const { return {points_[t[0]], points_[t[1]], points_[t[2]]}; }
 
   static size_t bring_shared_to_front(Triangle& a, Triangle& b) {
     size_t shared = 0;
@@ -101,19 +105,19 @@ private:
     return shared;
   }
 
-  static bool crosses(const Corners& s, const Corners& t) {
+  static bool crosses(const ExactCorners& s, const ExactCorners& t) {
     return kelpie::do_meet(t, s[0], s[1]) || kelpie::do_meet(t, s[1], s[2]) || kelpie::do_meet(t, s[2], s[0]);
   }
 
   /// Of two triangles that share their first two corners: in one plane, and on one side.
-  static bool is_folded(const Corners& s, const Corners& t) {
+  static bool is_folded(const ExactCorners& s, const ExactCorners& t) {
     if (side(s[0], s[1], s[2], t[2]) != 0) return false;
     const Flat flat = flat_of(s);
     return flat.turn(s[0], s[1], s[2]) == flat.turn(s[0], s[1], t[2]);
   }
 
   const std::vector<Triangle>& triangles_;
-  std::vector<Point> points_;
+  std::vector<ExactPoint> points_;
 };
 
 } // namespace
