@@ -17,11 +17,12 @@ inline float largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
 
 /// A direction that a model chose to look for light in.
 struct BsdfSample {
-  Vec3 direction{0};     ///< `in`
-  Vec3 weight{0};        ///< bsdf * |cosine of in| / pdf
-  float pdf = 0;         ///< per solid angle; of a delta lobe the probability that it is chosen; 0: no sample
-  bool is_delta = false; ///< of a lobe with one direction only: no sample of a light can match it
-  float eta = 1;         ///< refractive index on the side of `direction` over that on the side of the viewer
+  Vec3 direction{0};       ///< `in`
+  Vec3 weight{0};          ///< bsdf * |cosine of in| / pdf
+  float pdf = 0;           ///< per solid angle; of a delta lobe the probability that it is chosen; 0: no sample
+  bool is_delta = false;   ///< of a lobe with one direction only: no sample of a light can match it
+  float eta = 1;           ///< refractive index on the side of `direction` over that on the side of the viewer
+  bool goes_below = false; ///< light wanders below the surface from here, at first in `direction`; then `pdf` is a probability
 
   bool is_transmitted() const { return direction.z < 0; }
 };
@@ -39,7 +40,7 @@ concept BsdfModel = std::copyable<T> && requires(const T& model, const Vec3& out
   { model.at_least_as_rough_as(alpha) } -> std::same_as<T>;
   /// bsdf * |cosine of in|, without deltas.
   { model.evaluate(out, in) } -> std::convertible_to<Vec3>;
-  /// The density with which `sample` chooses `in`, without deltas; its integral over the sphere is at most 1.
+  /// The density with which `sample` chooses `in`, without deltas and without what goes below; its integral over the sphere is at most 1.
   { model.pdf(out, in) } -> std::same_as<float>;
   /// `lobe` in [0, 1) chooses among lobes, `u` in [0, 1)^2 a direction in one.
   { model.sample(out, lobe, u) } -> std::same_as<BsdfSample>;

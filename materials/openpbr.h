@@ -17,8 +17,8 @@ struct OpenPbr {
   static constexpr std::string_view k_doc =
       R"(Any surface, by the parameters of OpenPBR 1.1: matte, metal, plastic, glass, lacquer, and all between.
 
-From below: a *base*, which is a metal (`base_metalness`), or a dielectric over a diffuse ground, or what light passes through
-(`transmission_weight`); above it a *coat*. `matte`, `metal` and `glass` are short forms of this. Lengths are in scene units.)";
+From below: a *base*, which is a metal (`base_metalness`), or a dielectric over a diffuse ground, below which light may wander
+(`subsurface_weight`), or what light passes through (`transmission_weight`); above it a *coat*. `matte`, `metal` and `glass` are short forms of this. Lengths are in scene units.)";
 
   Value<Mode, float> base_weight{1.f};
   Value<Mode, Colour> base_color{Colour{Vec3(0.8f)}};
@@ -34,6 +34,11 @@ From below: a *base*, which is a metal (`base_metalness`), or a dielectric over 
   Value<Mode, float> transmission_depth{0.f};
   Value<Mode, float> transmission_dispersion_scale{0.f};
   Value<Mode, float> transmission_dispersion_abbe_number{20.f};
+  Value<Mode, float> subsurface_weight{0.f};
+  Value<Mode, Colour> subsurface_color{Colour{Vec3(0.8f)}};
+  Value<Mode, float> subsurface_radius{1.f};
+  Value<Mode, Colour> subsurface_radius_scale{Colour{Vec3(1, 0.5f, 0.25f)}};
+  Value<Mode, float> subsurface_scatter_anisotropy{0.f};
   Value<Mode, float> coat_weight{0.f};
   Value<Mode, Colour> coat_color{Colour{Vec3(1)}};
   Value<Mode, float> coat_roughness{0.f};
@@ -90,6 +95,23 @@ From below: a *base*, which is a metal (`base_metalness`), or a dielectric over 
                   "the lower, the wider colours are spread: 20 much, 55 diamond, 64 crown glass")
             .at_least(9)
             .at_most(91),
+        parameter("subsurface_weight", &OpenPbr::subsurface_weight,
+                  "how much of the ground lets light in, which wanders below the surface and comes out elsewhere: wax, jade, skin")
+            .at_least(0)
+            .at_most(1),
+        parameter("subsurface_color", &OpenPbr::subsurface_color, "of a thick body, how much of such light comes out")
+            .at_least(0)
+            .at_most(1),
+        parameter(
+            "subsurface_radius", &OpenPbr::subsurface_radius,
+            "how far light goes below the surface between two collisions, on the average: a hundredth of a body is opaque, a tenth waxy")
+            .in(Unit::length)
+            .above(0),
+        parameter("subsurface_radius_scale", &OpenPbr::subsurface_radius_scale, "factors of that, by colour").at_least(0).at_most(1),
+        parameter("subsurface_scatter_anisotropy", &OpenPbr::subsurface_scatter_anisotropy,
+                  "where a collision turns light: 0: anywhere; towards 1: it goes nearly straight on; below 0: back")
+            .at_least(-0.99)
+            .at_most(0.99),
         parameter("coat_weight", &OpenPbr::coat_weight, "how much of the surface has a clear coat above it").at_least(0).at_most(1),
         parameter("coat_color", &OpenPbr::coat_color, "what the coat leaves of light that goes in and out").at_least(0).at_most(1),
         parameter("coat_roughness", &OpenPbr::coat_roughness, "as `specular_roughness`").at_least(0).at_most(1),

@@ -21,9 +21,9 @@ Vec3 tint(const SurfaceParameters& s) { return s.transmission_depth > 0 ? Vec3(1
 
 /// How the layers share light that comes from all around, for one viewer.
 struct SurfaceBsdf::Layers {
-  Vec3 ground{1};                      ///< of what comes to the base, what the diffuse ground gets
-  float coat = 0;                      ///< what the coat reflects, where it lies
-  float p_diffuse, p_specular, p_coat; ///< with what probability `sample` chooses each
+  Vec3 ground{1};                               ///< of what comes to the base, what the diffuse ground gets
+  float coat = 0;                               ///< what the coat reflects, where it lies
+  float p_diffuse, p_specular, p_coat, p_below; ///< with what probability `sample` chooses each
 };
 
 SurfaceBsdf::SurfaceBsdf(const SurfaceParameters& s, const Boundary& boundary) {
@@ -51,7 +51,12 @@ void SurfaceBsdf::make_layers(const SurfaceParameters& s, const Boundary& bounda
   const float clear = s.transmission_weight, metalness = s.base_metalness;
   diffuse_ = DiffuseLobe(base, s.base_diffuse_roughness);
   ground_ = (1 - metalness) * (1 - clear);
-  albedo_ = base;
+  below_ = s.subsurface_weight;
+  const Vec3 ground = glm::mix(base, s.subsurface_color.rgb, below_);
+  const unsigned grounds =
+      (below_ < 1 && base != Vec3(0) ? k_diffuse : 0u) | (below_ > 0 && s.subsurface_color.rgb != Vec3(0) ? k_below : 0u);
+  if (grounds != 0) lobes_ = grounds;
+  albedo_ = ground;
   const bool is_bare = s.coat_weight == 0;
   // Without metal and without what a dielectric reflects or lets pass there is only the ground.
   if (metalness > 0 || clear > 0 || s.specular_weight > 0) {
@@ -66,9 +71,9 @@ void SurfaceBsdf::make_layers(const SurfaceParameters& s, const Boundary& bounda
     if (s.thin_film_weight > 0 && s.thin_film_thickness > 0)
       p.film_weight = s.thin_film_weight, p.film = ThinFilm(s.thin_film_thickness, s.thin_film_ior, ior_above);
     specular_ = SpecularLobe(p);
-    lobes_ = ground_ > 0 && base != Vec3(0) ? k_diffuse | k_specular : k_specular;
+    lobes_ = ground_ > 0 ? grounds | k_specular : k_specular;
     const float straight_on = fresnel_at_normal(p.fresnel_eta);
-    const Vec3 below = glm::mix(base, tint(s), clear);
+    const Vec3 below = glm::mix(ground, tint(s), clear);
     albedo_ = glm::mix(straight_on * p.reflected + (1 - straight_on) * below, base * p.metal_weight, metalness);
   }
   if (is_bare) return;
@@ -100,20 +105,21 @@ SurfaceBsdf::Layers SurfaceBsdf::layers(const Vec3& out) const {
   Layers l;
   l.coat = has_coat() ? coat_.lobe().dielectric_albedo(out.z).x : 0;
   l.ground = Vec3(ground_);
-  if (has_specular() && has_diffuse()) l.ground *= Vec3(1) - specular_.dielectric_albedo(out.z);
+  if (has_specular() && (has_diffuse() || has_below())) l.ground *= Vec3(1) - specular_.dielectric_albedo(out.z);
   const float coat = coat_.weight() * l.coat;
-  const float diffuse = has_diffuse() ? (1 - coat) * largest(l.ground * diffuse_.albedo()) : 0;
+  const float diffuse = has_diffuse() ? (1 - coat) * (1 - below_) * largest(l.ground * diffuse_.albedo()) : 0;
+  const float under = has_below() ? (1 - coat) * below_ * largest(l.ground) : 0;
   const float specular = has_specular() ? (1 - coat) * largest(specular_.about(out.z)) : 0;
-  const float sum = coat + diffuse + specular;
-  if (!(sum > 0)) return l.p_diffuse = has_diffuse(), l.p_specular = !has_diffuse(), l.p_coat = 0, l;
-  l.p_diffuse = diffuse / sum, l.p_specular = specular / sum, l.p_coat = coat / sum;
+  const float sum = coat + diffuse + specular + under;
+  if (!(sum > 0)) return l.p_diffuse = has_diffuse(), l.p_specular = !has_diffuse(), l.p_coat = l.p_below = 0, l;
+  l.p_diffuse = diffuse / sum, l.p_specular = specular / sum, l.p_coat = coat / sum, l.p_below = under / sum;
   return l;
 }
 
 Vec3 SurfaceBsdf::evaluate(const Layers& l, const Vec3& out, const Vec3& in) const {
   Vec3 f(0);
   if (has_specular()) f = specular_.evaluate(out, in);
-  if (has_diffuse() && in.z > 0) f += l.ground * diffuse_.evaluate(out, in);
+  if (has_diffuse() && in.z > 0) f += (1 - below_) * l.ground * diffuse_.evaluate(out, in);
   if (!has_coat()) return f;
   f *= coat_.lets_pass(out, in, l.coat);
   return in.z > 0 ? f + coat_.weight() * coat_.lobe().evaluate(out, in) : f;
@@ -145,6 +151,13 @@ BsdfSample SurfaceBsdf::sample_lobes(const Vec3& out, float lobe, Vec2 u) const 
   if (lobes_ == k_specular) return specular_.sample(out, lobe, u);
   const Layers l = layers(out);
   BsdfSample s;
+  if (lobe >= 1 - l.p_below) {
+    const Vec3 above = DiffuseLobe::sample(u); // light comes in by the cosine, as to any ground
+    s.direction = {above.x, above.y, -above.z}, s.pdf = l.p_below, s.goes_below = true;
+    s.weight = l.ground * (below_ / l.p_below);
+    if (has_coat()) s.weight *= coat_.lets_pass(out, above, l.coat);
+    return s;
+  }
   const bool is_coat = lobe < l.p_coat, is_specular = !is_coat && lobe < l.p_coat + l.p_specular;
   const float probability = is_coat ? l.p_coat : is_specular ? l.p_specular : l.p_diffuse;
   if (is_coat)

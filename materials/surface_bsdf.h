@@ -20,7 +20,8 @@ struct Boundary {
 
 /// What a surface does with light: OpenPBR's base and coat. From above: a coat's reflection; microfacets of a metal, of a
 /// dielectric or of both; below a dielectric a diffuse ground, or the other side. A layer gets what the one above it leaves of light
-/// from all around (albedo scaling), so no light is made or lost, at the price of reciprocity.
+/// from all around (albedo scaling), so no light is made or lost, at the price of reciprocity. A part of the ground may let light in:
+/// of that `sample` alone knows, and comes back with a way below the surface (materials/subsurface.h).
 ///
 /// From inside there is only the clear dielectric. An opaque surface is the same from both sides.
 class SurfaceBsdf {
@@ -32,6 +33,8 @@ public:
   bool is_delta() const {
     return !(lobes_ & k_diffuse) && (!has_specular() || specular_.is_smooth()) && (!has_coat() || coat_.lobe().is_smooth());
   }
+  /// Whether some light wanders below the surface.
+  bool lets_below() const { return has_below(); }
   bool is_glossy() const { return lobes_ != k_diffuse; }
   SurfaceBsdf at_least_as_rough_as(float alpha) const;
   /// The same with microfacets whose slopes vary more: `by` adds to the alpha^2 of all.
@@ -55,12 +58,13 @@ public:
   }
 
 private:
-  enum Lobe : unsigned { k_diffuse = 1, k_specular = 2, k_coat = 4 };
+  enum Lobe : unsigned { k_diffuse = 1, k_specular = 2, k_coat = 4, k_below = 8 };
   struct Layers;
 
   bool has_diffuse() const { return lobes_ & k_diffuse; }
   bool has_specular() const { return lobes_ & k_specular; }
   bool has_coat() const { return lobes_ & k_coat; }
+  bool has_below() const { return lobes_ & k_below; }
   void make_clear(const SurfaceParameters&, const Boundary&);
   void make_layers(const SurfaceParameters&, const Boundary&);
   Layers layers(const Vec3& out) const;
@@ -71,7 +75,8 @@ private:
   float pdf(const Layers&, const Vec3& out, const Vec3& in) const;
 
   unsigned lobes_ = k_diffuse;
-  float ground_ = 1; ///< share of the surface that is a diffuse ground
+  float ground_ = 1; ///< share of the surface that is a ground
+  float below_ = 0;  ///< share of the ground that lets light in
   Vec3 albedo_{0};
   DiffuseLobe diffuse_;
   SpecularLobe specular_;

@@ -20,11 +20,6 @@ struct Reserved {
 inline constexpr std::array k_reserved{
     Reserved{ReservedAs::key, "openpbr", "transmission_scatter"},
     Reserved{ReservedAs::key, "openpbr", "transmission_scatter_anisotropy"},
-    Reserved{ReservedAs::key, "openpbr", "subsurface_weight"},
-    Reserved{ReservedAs::key, "openpbr", "subsurface_color"},
-    Reserved{ReservedAs::key, "openpbr", "subsurface_radius"},
-    Reserved{ReservedAs::key, "openpbr", "subsurface_radius_scale"},
-    Reserved{ReservedAs::key, "openpbr", "subsurface_scatter_anisotropy"},
     Reserved{ReservedAs::key, "openpbr", "coat_roughness_anisotropy"},
     Reserved{ReservedAs::key, "openpbr", "fuzz_weight"},
     Reserved{ReservedAs::key, "openpbr", "fuzz_color"},

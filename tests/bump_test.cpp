@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "materials/bump.h"
-#include "renderer/integrate/orthonormal_basis.h"
+#include "base/orthonormal_basis.h"
 #include "tests/support/render.h"
 
 namespace kelpie {

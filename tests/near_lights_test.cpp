@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "renderer/integrate/orthonormal_basis.h"
+#include "base/orthonormal_basis.h"
 #include "tests/support/random_kind.h"
 #include "tests/support/render.h"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "renderer/integrate/orthonormal_basis.h"
+#include "base/orthonormal_basis.h"
 
 namespace kelpie {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "renderer/integrate/orthonormal_basis.h"
+#include "base/orthonormal_basis.h"
 
 namespace kelpie {
 

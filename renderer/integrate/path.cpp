@@ -3,8 +3,7 @@
 #include <array>
 #include <optional>
 
-#include "materials/bump.h"
-#include "renderer/integrate/orthonormal_basis.h"
+#include "renderer/integrate/vertex.h"
 #include "renderer/integrate/wavelength.h"
 
 namespace kelpie {
@@ -42,47 +41,7 @@ float spread_of_normals(const Tracer& tracer, const Hit& hit, const Footprint& f
   return along(footprint.u) + along(footprint.v);
 }
 
-/// Local coordinates at a hit: x lies along the brushing of what is brushed, z is the normal of a surface that heights with a slope raise.
-OrthonormalBasis basis_at(const Ray& ray, const Hit& hit, const Vec3& facing, const SurfaceParameters& surface, const Vec3& slope) {
-  Vec3 normal = facing;
-  if (slope != Vec3(0)) normal = seen_normal(facing, raised_normal(facing, facing == hit.normal ? slope : -slope), -ray.direction);
-  return surface.specular_roughness_anisotropy > 0 ? OrthonormalBasis(normal, surface.geometry_tangent) : OrthonormalBasis(normal);
-}
-
 } // namespace
-
-/// A point of a path on a surface. Local coordinates have the normal on the side of the viewer as z.
-struct PathTracer::Vertex {
-  Vertex(Path& p, const Hit& h, const Vec3& facing, const OrthonormalBasis& b)
-      : path(p), hit(h), true_normal(facing), basis(b), out(basis.local_from_world(-p.ray.direction)) {}
-
-  const SurfaceBsdf& bsdf() const { return own ? *own : *shared; }
-
-  /// A ray towards where light comes from, the same direction in local coordinates and in the world. It starts on the side of
-  /// the surface that the shading normal says. Where a facet of a mesh lies on the other side of it, the ray meets that facet
-  /// next, and goes through it or is shadowed as by any other.
-  Ray leave(const Vec3& in, const Vec3& direction) const { return depart(path.ray, hit, direction, in.z < 0 ? Side::far : Side::near); }
-  /// Of light from a direction what bumps do not hide.
-  float past_bumps(const Vec3& in, const Vec3& direction) const {
-    if (!is_bumped) return 1;
-    return in.z < 0 ? glm::dot(true_normal, direction) < 0 : kelpie::past_bumps(true_normal, basis.z, direction);
-  }
-
-  /// Whether light from a direction was counted at the last vertex that is not clear (see Path::is_counted).
-  bool is_counted(const Vec3& in) const { return in.z < 0 ? path.is_lit_through || path.is_counted : path.is_counted && hit.is_leaving; }
-
-  Path& path;
-  const Hit& hit;
-  Vec3 true_normal; ///< on the side of the viewer
-  OrthonormalBasis basis;
-  bool is_clear = false;               ///< light passes
-  bool is_bumped = false;              ///< the basis does not stand on the true normal
-  float bend = 0;                      ///< by how much normals within the footprint differ
-  Vec3 out;                            ///< towards the viewer, local
-  const SurfaceBsdf* shared = nullptr; ///< of all hits on the shape, unless this one has its
-  std::optional<SurfaceBsdf> own;
-  Vec3 direct{0}; ///< light that samples of lights found
-};
 
 PathTracer::PathTracer(const Tracer& tracer, const std::vector<Light>& lights, const FrameScene& frame)
     : tracer_(tracer), lights_(lights), background_(frame.film.background), surfaces_(frame, tracer), bounces_(frame.film.bounces),
@@ -97,7 +56,8 @@ PathTracer::PathTracer(const Tracer& tracer, const std::vector<Light>& lights, c
 void PathTracer::trace(std::span<Path> paths, RayCounters& counters) const {
   counters.camera += paths.size();
   std::array<Hit, k_packet> hits;
-  std::vector<Vertex> vertices;
+  std::array<Hit, k_packet> exits;
+  std::vector<Vertex> vertices, emerged;
   std::vector<Path*> going;
   vertices.reserve(paths.size()), going.reserve(paths.size());
   for (Path& path : paths) going.push_back(&path);
@@ -111,9 +71,19 @@ void PathTracer::trace(std::span<Path> paths, RayCounters& counters) const {
         escape(*going[i], bounce);
     }
     add_direct_light(vertices, bounce, counters);
-    going.clear();
-    for (Vertex& vertex : vertices)
-      if (scatter(vertex, bounce, counters)) going.push_back(&vertex.path);
+    going.clear(), emerged.clear();
+    for (Vertex& vertex : vertices) {
+      Hit& exit = exits[emerged.size()];
+      const Onward onward = scatter(vertex, bounce, counters, exit);
+      if (onward == Onward::goes) going.push_back(&vertex.path);
+      if (onward == Onward::emerges) emerged.push_back(emerge(vertex.path, exit));
+    }
+    if (emerged.empty()) continue;
+    add_direct_light(emerged, bounce, counters);
+    for (Vertex& vertex : emerged) {
+      Hit none; // a ground, below which is nothing
+      if (scatter(vertex, bounce, counters, none) == Onward::goes) going.push_back(&vertex.path);
+    }
   }
 }
 
@@ -161,6 +131,7 @@ PathTracer::Vertex PathTracer::arrive(Path& path, const Hit& hit, int bounce) co
   vertex.shared = path.ray.inside.is_empty() ? surfaces_.opaque_in_air(hit) : nullptr;
   if (!vertex.shared) vertex.own.emplace(surface, boundary_at(path.ray, hit, surface, path.wavelength));
   widen(vertex, footprint, relief.unseen);
+  if (vertex.bsdf().lets_below() && !hit.is_leaving) vertex.medium.emplace(surface);
   if (bounce == 0) {
     path.result.is_hit = true, path.result.hit = hit, path.result.albedo = vertex.bsdf().albedo();
     if (vertex.is_bumped) path.result.hit.normal = hit.normal == normal ? vertex.basis.z : -vertex.basis.z;
@@ -254,37 +225,39 @@ void PathTracer::escape(Path& path, int bounce) const {
   path.result.radiance += path.throughput * found(path, k_infinitely_far, bounce);
 }
 
-/// Gives a path its next ray; false if it ends here.
-bool PathTracer::scatter(Vertex& vertex, int bounce, RayCounters& counters) const {
+/// Gives a path its next ray, or an `exit`.
+PathTracer::Onward PathTracer::scatter(Vertex& vertex, int bounce, RayCounters& counters, Hit& exit) const {
   Path& path = vertex.path;
   path.result.radiance += path.throughput * vertex.direct;
   const bool is_last = bounce >= bounces_;
-  if (is_last && path.sought == Sought::none) return false;
+  if (is_last && path.sought == Sought::none && !vertex.medium) return Onward::ends;
   const Vec3 u = path.sampler.next_triple();
   path.scattered = vertex.bsdf().sample(vertex.out, u.z, Vec2(u.x, u.y));
-  if (path.scattered.pdf <= 0) return false;
+  if (path.scattered.pdf <= 0) return Onward::ends;
+  if (path.scattered.goes_below) return vertex.medium && wander(vertex, counters, exit) ? Onward::emerges : Onward::ends;
+  if (is_last && path.sought == Sought::none) return Onward::ends;
   const bool is_wide = !path.scattered.is_delta && path.scattered.pdf < k_matte_density;
   path.after_matte |= is_wide;
   path.is_counted = vertex.is_counted(path.scattered.direction);
   path.is_lit_through = tints_shadows_ && is_wide && !path.is_counted;
   const Vec3 direction = vertex.basis.world_from_local(path.scattered.direction);
   path.throughput *= path.scattered.weight * vertex.past_bumps(path.scattered.direction, direction), path.eta *= path.scattered.eta;
-  if (path.throughput == Vec3(0)) return false;
+  if (path.throughput == Vec3(0)) return Onward::ends;
   path.cone = path.cone.scattered(vertex.hit.t, path.scattered.pdf, path.scattered.is_delta, vertex.bend);
   path.ray = vertex.leave(path.scattered.direction, direction);
   if (is_last) {
     path.result.radiance += path.throughput * found_at_last(path, counters);
-    return false;
+    return Onward::ends;
   }
   if (bounce >= k_roulette_from) {
     // While a path is in a medium its throughput has a factor 1 / eta^2, which it loses again: that says nothing of its worth.
     const Vec3 worth = path.throughput * (path.eta * path.eta);
     const float survival = std::min(0.95f, std::max({worth.x, worth.y, worth.z}));
-    if (!(path.sampler.next_pair().x < survival)) return false;
+    if (!(path.sampler.next_pair().x < survival)) return Onward::ends;
     path.throughput /= survival;
   }
   ++counters.scatter;
-  return true;
+  return Onward::goes;
 }
 
 Vec3 PathTracer::background(const Vec3& direction) const {

@@ -67,6 +67,8 @@ public:
 
 private:
   struct Vertex;
+  /// What becomes of a path at a vertex: it ends, has a next ray, or comes out of what it wandered through, elsewhere.
+  enum class Onward { ends, goes, emerges };
 
   uint32_t meet(std::span<Path* const> paths, bool side_by_side, SolveCounters& counters, Hit* hits) const;
   uint32_t shadowed(std::span<const Ray> rays, bool side_by_side, SolveCounters& counters) const;
@@ -78,7 +80,9 @@ private:
   Vec3 let_through(Ray ray, RayCounters& counters) const;
   void escape(Path& path, int bounce) const;
   void add_direct_light(std::span<Vertex> vertices, int bounce, RayCounters& counters) const;
-  bool scatter(Vertex& vertex, int bounce, RayCounters& counters) const;
+  Onward scatter(Vertex& vertex, int bounce, RayCounters& counters, Hit& exit) const;
+  bool wander(Vertex& vertex, RayCounters& counters, Hit& exit) const;
+  Vertex emerge(Path& path, const Hit& exit) const;
 
   Vec3 background(const Vec3& direction) const;
   Vec3 found(const Path&, float reach, int bounce) const;

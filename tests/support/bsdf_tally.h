@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "materials/surface_bsdf.h"
-#include "renderer/integrate/orthonormal_basis.h"
+#include "base/orthonormal_basis.h"
 #include "renderer/integrate/sampler.h"
 
 namespace kelpie {
