@@ -158,7 +158,8 @@ TEST(FieldFold, IsTheOrderOfSampledNodes) {
   const SceneFolder folder;
   const Scene scene = folder.read(k_twice);
   std::vector<std::string_view> sampled;
-  for (const auto& node : sample(scene, 1).shapes[0].field.nodes)
+  const FrameScene frame = sample(scene, 1);
+  for (const auto& node : frame.shapes[0].field.nodes)
     sampled.push_back(std::visit([](const auto& kind) { return kind.k_name; }, node));
   EXPECT_EQ(sampled, visited(*scene.shapes[0].field, PartsShared::in_one_time));
 }

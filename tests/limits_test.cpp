@@ -6,6 +6,11 @@ namespace {
 
 class Limits : public ProgramTest {
 protected:
+  void SetUp() override {
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP() << "the address sanitizer needs more address space than any limit leaves";
+#endif
+  }
   /// The line under a limit of address space, within a minute of CPU time.
   Outcome limited(const std::string& line, const std::string& megabytes = "4000") const {
     const int status = shell("(ulimit -v " + megabytes + "000; ulimit -t 60; $KELPIE " + line + ") >stdout.txt 2>stderr.txt");
