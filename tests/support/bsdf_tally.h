@@ -43,7 +43,7 @@ inline Tallies sampled(const SurfaceBsdf& bsdf, const Vec3& out, uint32_t sample
     if (s.pdf <= 0) continue;
     const Vec3d energy = Vec3d(s.weight) * (double(s.eta) * s.eta / samples);
     t.energy += energy;
-    if (s.is_delta) continue;
+    if (s.is_delta || s.goes_below) continue;
     Tally& side = t.sides[s.is_transmitted()];
     side.probability += 1.0 / samples, side.scattered += energy, side.eta = s.eta;
     if (s.pdf > side.peak_pdf) side.peak_pdf = s.pdf, side.peak = s.direction;
