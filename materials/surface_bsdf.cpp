@@ -105,10 +105,10 @@ SurfaceBsdf::Layers SurfaceBsdf::layers(const Vec3& out) const {
   Layers l;
   l.coat = has_coat() ? coat_.lobe().dielectric_albedo(out.z).x : 0;
   l.ground = Vec3(ground_);
-  if (has_specular() && (has_diffuse() || has_below())) l.ground *= Vec3(1) - specular_.dielectric_albedo(out.z);
+  if (has_specular() && (has_diffuse() || lets_below())) l.ground *= Vec3(1) - specular_.dielectric_albedo(out.z);
   const float coat = coat_.weight() * l.coat;
   const float diffuse = has_diffuse() ? (1 - coat) * (1 - below_) * largest(l.ground * diffuse_.albedo()) : 0;
-  const float under = has_below() ? (1 - coat) * below_ * largest(l.ground) : 0;
+  const float under = lets_below() ? (1 - coat) * below_ * largest(l.ground) : 0;
   const float specular = has_specular() ? (1 - coat) * largest(specular_.about(out.z)) : 0;
   const float sum = coat + diffuse + specular + under;
   if (!(sum > 0)) return l.p_diffuse = has_diffuse(), l.p_specular = !has_diffuse(), l.p_coat = l.p_below = 0, l;

@@ -34,7 +34,7 @@ public:
     return !(lobes_ & k_diffuse) && (!has_specular() || specular_.is_smooth()) && (!has_coat() || coat_.lobe().is_smooth());
   }
   /// Whether some light wanders below the surface.
-  bool lets_below() const { return has_below(); }
+  bool lets_below() const { return lobes_ & k_below; }
   bool is_glossy() const { return lobes_ != k_diffuse; }
   SurfaceBsdf at_least_as_rough_as(float alpha) const;
   /// The same with microfacets whose slopes vary more: `by` adds to the alpha^2 of all.
@@ -64,7 +64,6 @@ private:
   bool has_diffuse() const { return lobes_ & k_diffuse; }
   bool has_specular() const { return lobes_ & k_specular; }
   bool has_coat() const { return lobes_ & k_coat; }
-  bool has_below() const { return lobes_ & k_below; }
   void make_clear(const SurfaceParameters&, const Boundary&);
   void make_layers(const SurfaceParameters&, const Boundary&);
   Layers layers(const Vec3& out) const;

@@ -93,16 +93,9 @@ TEST(Lights, SunGivesItsStrengthWhateverItsAngle) {
 // --- whole frames ---
 
 FrameScene blob_in_white(MaterialKinds::Variant<SampledMode> surface) {
-  FrameScene scene;
-  SampledShape shape;
   Point<SampledMode> point;
   point.radius = 1, point.weight = 2, point.falloff = Falloff::quartic;
-  shape.field.nodes.emplace_back(point);
-  scene.shapes.push_back(std::move(shape));
-  set_surface(scene, 0, std::move(surface));
-  EnvironmentLight<SampledMode> light;
-  light.preset = EnvironmentPreset::white;
-  scene.lights.emplace_back(light);
+  FrameScene scene = in_white(point, std::move(surface));
   scene.camera.position = Vec3(0, 0, 3);
   scene.film.resolution = {48, 32}, scene.film.spp = 16, scene.film.bounces = 4;
   return scene;

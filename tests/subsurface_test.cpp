@@ -104,7 +104,7 @@ TEST(Subsurface, GuidedWalksAreUnbiased) {
         EXPECT_NEAR(ours.reflected.x, theirs.reflected.x, 0.006);
         EXPECT_NEAR(ours.transmitted.x, theirs.transmitted.x, 0.006);
         EXPECT_NEAR(ours.distance, theirs.distance, 0.04 * theirs.distance);
-        EXPECT_LT(ours.most, 6);
+        EXPECT_LT(ours.most, 6); // 1.5, where guidance stops, times 2, its share, and what telling channels apart adds
       }
 }
 
@@ -121,16 +121,9 @@ TEST(Subsurface, AThickBodyHasItsColour) {
 
 /// A ball, a distance field, in an environment that is white all over.
 FrameScene ball_in_white(const SurfaceParameters& surface) {
-  FrameScene scene;
-  SampledShape shape;
   SdfSphere<SampledMode> ball;
   ball.centre = Vec3(0), ball.sphere_radius = 1;
-  shape.field.nodes.emplace_back(ball);
-  scene.shapes.push_back(std::move(shape));
-  set_surface(scene, 0, surface);
-  EnvironmentLight<SampledMode> light;
-  light.preset = EnvironmentPreset::white;
-  scene.lights.emplace_back(light);
+  FrameScene scene = in_white(ball, surface);
   scene.camera.position = Vec3(0, 0, 5);
   scene.film.resolution = {24, 24}, scene.film.spp = 256, scene.film.bounces = 8;
   return scene;
@@ -153,7 +146,7 @@ TEST(Subsurface, WhiteFurnace) {
   waxy.specular_weight = 1; // under a varnish
   EXPECT_NEAR(middle_of(ball_in_white(waxy)).x, 1, 0.01);
   waxy.subsurface_weight = 0.5f, waxy.base_color.rgb = Vec3(1), waxy.coat_weight = 1, waxy.coat_darkening = 0;
-  EXPECT_NEAR(middle_of(ball_in_white(waxy)).x, 1, 0.02);
+  EXPECT_NEAR(middle_of(ball_in_white(waxy)).x, 1, 0.01);
 }
 
 // It is direct light: no bounce is needed to see it.
@@ -175,7 +168,7 @@ TEST(Subsurface, ADenseBodyIsMatte) {
   matte.colour.rgb = Vec3(0.6f, 0.4f, 0.2f);
   set_surface(scene, 0, matte);
   const Vec3d expected = middle_of(scene);
-  for (int c = 0; c < 3; ++c) EXPECT_NEAR(dense[c] / expected[c], 1, 0.05);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(dense[c] / expected[c], 1, 0.04); // the inversion is within 0.02 of albedos
 }
 
 // Light from behind comes through a thin body, and not through a matte one.
