@@ -61,7 +61,7 @@ double past_lines_of_distance(Random& r, const Kind& kind, const Box3d& around) 
   add(field, kind);
   const FieldProgram program = compile(std::move(field), 1);
   const Vec3 middle(r.in(around.padded(0.3)));
-  const std::optional<Tree> tree = make_tree(program, program.code, {middle - 0.3f, middle + 0.3f});
+  const std::optional<Tree> tree = make_tree(program, program.code, {middle - 0.3f, middle + 0.3f}, middle);
   if (!tree || tree->solids.size() != 1) return std::numeric_limits<double>::infinity();
   const TreeView leaves = tree->view();
   const SolidView view(leaves.solids, tree->solids[0]);

@@ -74,8 +74,10 @@ TEST(WarpLanes, AreTheFormulasOfTheKinds) {
     }
     const FieldProgram program = compile(field, 1);
     const float size = float(r.log_uniform(1e-3, 0.2));
-    const Vec3 centre = random_point(r, 2);
-    const std::optional<Tree> tree = make_tree(program, program.code, Box3{centre - size, centre + size});
+    const Vec3 middle = random_point(r, 2);
+    const Box3 cell{middle - size, middle + size};
+    const Vec3 centre = cell.centre();
+    const std::optional<Tree> tree = make_tree(program, program.code, cell, centre);
     if (!tree) continue; // too far from a line
     const TreeView view = tree->view();
     if (std::any_of(view.spaces.begin(), view.spaces.end(), [](const TreeSpace& s) { return s.warp.form == LaneWarp::Form::none; }))
@@ -121,7 +123,7 @@ TEST(WarpLanes, AreAxialDeformationsWhereOneAxisActsAlone) {
       centre = Vec3(axis.step(step)(r.below(2) ? r.uniform(0, 1) : 0) + 0.5 * axis.reach(step, 0.5) * r.uniform(0, 1) * r.direction());
     }
     const Box3 cell{centre - size, centre + size};
-    const std::optional<Tree> tree = make_tree(program, program.code, cell);
+    const std::optional<Tree> tree = make_tree(program, program.code, cell, cell.centre());
     if (!tree) continue; // torn, or too far from a line
     const TreeView view = tree->view();
     if (view.spaces[0].warp.form == LaneWarp::Form::none) continue; // several axes, or borders

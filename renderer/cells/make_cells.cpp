@@ -36,8 +36,10 @@ void CellMaker::add(const Box3d& box, const Code& code, const Code* kept, double
   if (is_sum) {
     add_blobs(code.blobs, cell, memory, out);
   } else {
-    if (!make_tree(code, cell, memory) && !kept) cell.code = memory.keep(copy(code, memory));
-    if (!cell.box.is_empty()) add_to_windows(cell, out);
+    const bool wants_code = !make_tree(code, cell, memory) && !kept;
+    if (cell.box.is_empty()) return;
+    if (wants_code) cell.code = memory.keep(copy(code, memory));
+    add_to_windows(cell, out);
   }
   if (!kept || out.size() == before) return;
   const CodeView* const program = memory.keep(copy(*kept, memory));
@@ -118,20 +120,21 @@ bool CellMaker::moves(const Code& code) const {
          std::any_of(code.blobs.begin(), code.blobs.end(), [&](uint32_t i) { return blob_moves(i); });
 }
 
-/// Makes the cell one of a tree, and cuts back its box; false if it must be kept as a program.
+/// Makes the cell one of a tree, or of one that moves, and cuts back its box; false if it must be kept as a program.
 bool CellMaker::make_tree(const Code& code, Cell& cell, CellMemory& memory) const {
-  const std::optional<Tree> tree = kelpie::make_tree(program_, code, cell.box);
-  if (!tree) return false;
-  if (moves(code)) { // the numbers of its leaves are not linear in time
+  const bool is_moving = moves(code);
+  const std::optional<Tree> tree =
+      is_moving ? make_wide_tree(program_, code, cell.box, cell.centre) : kelpie::make_tree(program_, code, cell.box, cell.centre);
+  if (tree) {
+    cell.content = is_moving ? Cell::Content::moving_tree : Cell::Content::tree;
+    // Twice: a tenth fewer of the costly visits, for a tenth more of building.
+    for (int pass = 0; pass < 2 && !cell.box.is_empty(); ++pass)
+      cell.box = tightened_to_tree(cell.box, tree->view(), cell.centre, program_.threshold);
+    if (!cell.box.is_empty() && !is_moving) cell.tree = memory.keep(copy(*tree, memory));
+  } else if (is_moving && kelpie::make_tree(program_, code, cell.box, cell.centre)) {
     cell.content = Cell::Content::moving_tree;
-    return false;
   }
-  cell.content = Cell::Content::tree;
-  // Twice: a tenth fewer of the costly visits, for a tenth more of building.
-  for (int pass = 0; pass < 2 && !cell.box.is_empty(); ++pass)
-    cell.box = tightened_to_tree(cell.box, tree->view(), cell.centre, program_.threshold);
-  if (!cell.box.is_empty()) cell.tree = memory.keep(copy(*tree, memory));
-  return true;
+  return cell.content == Cell::Content::tree;
 }
 
 } // namespace kelpie

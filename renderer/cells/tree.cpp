@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "renderer/cells/solid_parts.h"
+#include "renderer/cells/tree_bases.h"
+#include "renderer/cells/widening.h"
 #include "renderer/program/evaluate.h"
 
 namespace kelpie {
@@ -40,23 +42,18 @@ float crest(double a, double b) {
   return is_concave ? static_cast<float>(std::clamp(0.4 - 0.2 * a / b, 0.0, 1.0)) : 1;
 }
 
-/// g++ 12 makes nothing of Vec3d(Vec3(v)): it folds the conversions of two lanes at once, and drops the rounding.
-Vec3d rounded_to_float(const Vec3d& v) {
-  Vec3d r;
-  for (int i = 0; i < 3; ++i) {
-    const volatile float rounded = static_cast<float>(v[i]);
-    r[i] = rounded;
-  }
-  return r;
-}
-
 class TreeMaker {
 public:
-  TreeMaker(const FieldProgram& program, const CodeView& code, const Box3& cell) : program_(program), code_(code), cell_(cell) {}
+  /// Of elements as they are in the program, or as wide as `widening` says.
+  TreeMaker(const FieldProgram& program, const CodeView& code, const Box3& cell, const Vec3& centre, const Widening* widening, Tree& out)
+      : program_(program), code_(code), cell_(cell), centre_(centre), widening_(widening), out_(out), bases_(program, cell, centre, out),
+        leaves_(room()) {
+    out_.clear(), leaves_.clear();
+  }
 
   /// False if the code is no tree.
-  std::optional<Tree> run() {
-    if (!emit(static_cast<uint32_t>(code_.steps.size() - 1), 0, false)) return {};
+  bool run() {
+    if (!emit(static_cast<uint32_t>(code_.steps.size() - 1), 0, false)) return false;
     const size_t count = leaves_.size(), padded = std::max<size_t>(1, (count + k_leaf_group - 1) / k_leaf_group) * k_leaf_group;
     out_.leaf_count = static_cast<uint32_t>(padded);
     out_.leaves.resize(padded * k_leaf_rows, 0.f);
@@ -65,10 +62,15 @@ public:
       // What pads: a ball of radius -2 is at least 2 away.
       if (i >= count) out_.leaves[leaf_r * padded + i] = -2, out_.leaves[leaf_k * padded + i] = 1;
     }
-    return std::move(out_);
+    return true;
   }
 
 private:
+  static std::vector<LeafNumbers>& room() {
+    thread_local std::vector<LeafNumbers> leaves;
+    return leaves;
+  }
+
   std::optional<Join> join_of_step(const Instruction& step) const {
     return std::visit([&](const auto& kind) { return join_of(kind, step.demand); }, program_.field.nodes[step.node]);
   }
@@ -80,7 +82,7 @@ private:
     const Instruction& step = code_.steps[position];
     if (is_solid(step)) return emit_solid(step, is_subtracted);
     const std::optional<Join> join = step.kind == Instruction::Kind::combine ? join_of_step(step) : Join::sum;
-    if (!join) return false;
+    if (!join || (widening_ && step.kind == Instruction::Kind::combine && !widening_->stands(step))) return false;
     if (*join == Join::sum) return emit_sum(position, depth, is_subtracted);
     if (*join == Join::local_blend) return emit_local_blend(step, depth, is_subtracted);
     if (is_clamped(*join) && step.count == 1) return false; // the part above 0 of a lone operand
@@ -170,9 +172,11 @@ private:
 
   bool add_blobs(const Instruction& step) {
     for (const uint32_t i : code_.blobs.subspan(step.first, step.count)) {
-      const BlobNumbers blob = program_.blob(i);
+      const std::optional<BlobExtent> extent = widening_ ? widening_->of_blob(i, step) : BlobExtent{program_.blob(i)};
+      if (!extent) return false;
+      const BlobNumbers& blob = extent->numbers;
       const Vec3d at(blob.x, blob.y, blob.z);
-      if (!add(step.space, {at, at, 0, 0}, blob.k, blob.a, blob.b)) return false;
+      if (!add(step.space, {at, at, 0, 0}, blob.k, blob.a, blob.b, extent->nearer)) return false;
     }
     return true;
   }
@@ -194,33 +198,46 @@ private:
            !visit_skeleton(step, [](const auto&, const auto& solid) { return std::is_same_v<decltype(solid), const ConeSphereSolid&>; });
   }
 
+  template <class Kind>
+  std::optional<Extent> extent_of(const Instruction& step, const Kind& kind) const {
+    return widening_ ? widening_->of_skeleton(step, kind) : Extent{kind.weight, reach_of(kind)};
+  }
+
   bool add_cone_sphere(const Instruction& step) {
     return visit_skeleton(step, [&](const auto& kind, const auto& solid) {
       if constexpr (std::is_same_v<decltype(solid), const ConeSphereSolid&>) {
+        const std::optional<Extent> extent = extent_of(step, kind);
+        if (!extent) return false;
         const FalloffPolynomial f = polynomial(kind.falloff);
-        const double weight = kind.weight;
-        return add(step.space, solid, 1 / square(double(kind.radius)), weight * f.a, weight * f.b);
+        return add(step.space, solid, 1 / square(extent->radius), extent->weight * f.a, extent->weight * f.b, extent->nearer);
       }
       return false;
     });
   }
 
   bool emit_solid(const Instruction& step, bool is_subtracted) {
-    Base base;
+    TreeBase base;
     Affine local_from_base;
-    if (!find_base(step.space, base, local_from_base)) return false;
+    if (!bases_.find(step.space, base, local_from_base)) return false;
     SolidLeaf leaf{};
-    const double half = 0.5 * double(cell_.diagonal()), infinity = std::numeric_limits<double>::infinity();
+    const double infinity = std::numeric_limits<double>::infinity();
+    const double reach = glm::length(Vec3d(glm::max(cell_.upper - centre_, centre_ - cell_.lower))); // of the cell
     const SolidPlace place{local_from_base(base.centre), local_from_base.linear,
-                           base.slot == 0 ? half * lipschitz(local_from_base.linear) : infinity};
+                           base.slot == 0 ? reach * lipschitz(local_from_base.linear) : infinity};
+    double nearer = 0;
     const bool is_known = std::visit(
         [&](const auto& kind) {
           using K = std::decay_t<decltype(kind)>;
-          if constexpr (SolidSkeleton<K>) {
-            leaf.potential = bump(kind.weight, kind.falloff, kind.radius);
-            return add_solid(step.node, kind.solid(), place, leaf);
-          } else if constexpr (SignedDistance<K>) {
-            return add_distance(kind, place, leaf);
+          if constexpr (SolidSkeleton<K> || SignedDistance<K>) {
+            const std::optional<Extent> extent = extent_of(step, kind);
+            if (!extent) return false;
+            nearer = extent->nearer;
+            if constexpr (SolidSkeleton<K>) {
+              leaf.potential = bump(extent->weight, kind.falloff, extent->radius);
+              return add_solid(step.node, kind.solid(), place, leaf);
+            } else {
+              return add_distance(kind, place, leaf);
+            }
           }
           return false;
         },
@@ -228,7 +245,7 @@ private:
     if (!is_known) return false;
     leaf.slot = base.slot, leaf.drift = static_cast<float>(base.turning * lipschitz(local_from_base.linear));
     leaf.bending = static_cast<float>(base.bending * lipschitz(local_from_base.linear));
-    leaf.node = step.node, leaf.space = step.space;
+    leaf.node = step.node, leaf.space = step.space, leaf.growth += static_cast<float>(nearer);
     add_operand(TreeStep::Kind::solid, static_cast<uint32_t>(out_.solids.size()), 1, is_subtracted);
     out_.solids.push_back(leaf);
     return true;
@@ -289,102 +306,10 @@ private:
     return true;
   }
 
-  /// Where the leaves of a space are computed from: the world, or a warped space that is a base of others.
-  struct Base {
-    uint32_t slot = 0;    ///< as leaf_space has it
-    Vec3d centre;         ///< of the cell, as the solvers have it
-    double turning = 0;   ///< how much the derivative of the map from the world differs within the cell, at most
-    double bending = 0;   ///< half the largest second derivative of that map
-    double lipschitz = 1; ///< a Lipschitz constant of that map
-  };
-
-  /// The base of a space, and the affine map from there; false if the map from the world is too far from linear.
-  bool find_base(uint32_t space_index, Base& base, Affine& local_from_base) {
-    const Space& space = program_.spaces[space_index];
-    const bool is_warp = space.warp != Space::k_no_warp;
-    local_from_base = is_warp ? Affine{} : space.local_from_parent;
-    const uint32_t warped = is_warp ? space_index : space.parent;
-    for (const auto& [index, known] : bases_)
-      if (index == warped) {
-        base = known;
-        return true;
-      }
-    base.centre = Vec3d(cell_.centre());
-    if (warped != 0) {
-      const Space& warp = program_.spaces[warped];
-      Base parent;
-      Affine parent_from_base;
-      if (!find_base(warp.parent, parent, parent_from_base)) return false;
-      base.slot = static_cast<uint32_t>(out_.spaces.size()) + 1;
-      SpacePoints<double> points;
-      points.begin(program_);
-      const Point3<double> c = points.at(program_, warped, {base.centre.x, base.centre.y, base.centre.z});
-      base.centre = rounded_to_float({c.x, c.y, c.z});
-      base.turning = turning(program_, warped, cell_);
-      if (!(base.turning <= k_most_drift) || out_.spaces.size() == k_tree_spaces) return false;
-      const Affine warp_from_base = warp.local_from_parent * parent_from_base;
-      find_bending(warp, parent, lipschitz(warp_from_base.linear), base);
-      const LaneWarp lanes = std::visit(
-          [&](const auto& kind) {
-            if constexpr (std::is_same_v<decltype(kind), const Axial<SampledMode>&>)
-              return lane_warp(kind, warp_from_base, parent.centre, base.centre, box_before(warp), out_.axes);
-            else
-              return lane_warp(kind, warp_from_base, parent.centre, base.centre);
-          },
-          program_.field.nodes[warp.warp]);
-      out_.spaces.push_back({warped, Vec3(base.centre), parent.slot, lanes});
-    }
-    bases_.emplace_back(warped, base);
-    return true;
-  }
-
-  /// By the chain rule: second derivatives of the warp times first derivatives before it, squared, and the other way round.
-  void find_bending(const Space& warp, const Base& parent, double lipschitz_between, Base& base) const {
-    const Box3d box = box_before(warp);
-    const Point3<Interval> p{{box.lower.x, box.upper.x}, {box.lower.y, box.upper.y}, {box.lower.z, box.upper.z}};
-    std::visit(
-        [&](const auto& kind) {
-          base.bending = std::numeric_limits<double>::infinity();
-          if constexpr (requires { kind.most_bending(p); }) {
-            using Variable = Dual<Interval, 3>;
-            const Point3<Variable> image = kind.child_from_parent(
-                Point3<Variable>{Variable::variable(p.x, 0), Variable::variable(p.y, 1), Variable::variable(p.z, 2)});
-            double sum = 0;
-            for (const Variable& x : {image.x, image.y, image.z})
-              for (const Interval& d : x.d) sum += square(d.magnitude());
-            const double of_warp = std::sqrt(sum), before = lipschitz_between * parent.lipschitz;
-            base.lipschitz = of_warp * before;
-            base.bending = kind.most_bending(p) * square(before);
-            if (parent.bending > 0) base.bending += of_warp * lipschitz_between * parent.bending;
-            if (std::isnan(base.bending)) base.bending = std::numeric_limits<double>::infinity();
-          }
-        },
-        program_.field.nodes[warp.warp]);
-  }
-
-  /// Around where the cell is before it is warped.
-  Box3d box_before(const Space& warp) const {
-    SpacePoints<Interval> points;
-    points.begin(program_);
-    const auto range = [&](int i) { return Interval{cell_.lower[i], cell_.upper[i]}; };
-    const Point3<Interval> p = warp.local_from_parent.apply(points.at(program_, warp.parent, {range(0), range(1), range(2)}));
-    return {{p.x.lo, p.y.lo, p.z.lo}, {p.x.hi, p.y.hi, p.z.hi}};
-  }
-
-  /// A Lipschitz constant of a linear map: at least its largest singular value, and that for similarities.
-  static double lipschitz(const Mat3d& m) {
-    const Mat3d g = glm::transpose(m) * m;
-    const double trace = g[0][0] + g[1][1] + g[2][2];
-    double off = 0;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) off = std::max(off, std::abs(g[i][j] - (i == j ? trace / 3 : 0)));
-    return std::sqrt(off < 1e-9 * trace ? trace / 3 : trace);
-  }
-
-  bool add(uint32_t space_index, const ConeSphereSolid& solid, double k, double a, double b) {
-    Base base;
+  bool add(uint32_t space_index, const ConeSphereSolid& solid, double k, double a, double b, double nearer) {
+    TreeBase base;
     Affine local_from_base;
-    if (!find_base(space_index, base, local_from_base)) return false;
+    if (!bases_.find(space_index, base, local_from_base)) return false;
     const Vec3d axis = solid.to - solid.from;
     const AxisFrame frame{solid.from, axis};
     const ConeSphereProfile profile{glm::length(axis), solid.from_radius, solid.to_radius};
@@ -402,39 +327,44 @@ private:
       leaf[4 * i + 3] = static_cast<float>(origin[i]);
     }
     leaf[leaf_s_low] = static_cast<float>(-nearest), leaf[leaf_s_high] = static_cast<float>(profile.length - nearest);
-    leaf[leaf_r] = static_cast<float>(profile.first - profile.sine * nearest), leaf[leaf_sine] = static_cast<float>(profile.sine);
+    leaf[leaf_r] = static_cast<float>(profile.first - profile.sine * nearest + nearer), leaf[leaf_sine] = static_cast<float>(profile.sine);
     leaf[leaf_slope] = static_cast<float>(slope);
     leaf[leaf_k] = static_cast<float>(k), leaf[leaf_a] = static_cast<float>(a), leaf[leaf_b] = static_cast<float>(b),
     leaf[leaf_crest] = crest(a, b);
-    leaf[leaf_space] = static_cast<float>(base.slot), leaf[leaf_drift] = static_cast<float>(base.turning * lipschitz(linear));
-    leaf[leaf_bending] = static_cast<float>(base.bending * lipschitz(linear));
+    const double factor = base.slot == 0 ? 0 : lipschitz(linear);
+    leaf[leaf_space] = static_cast<float>(base.slot), leaf[leaf_drift] = static_cast<float>(base.turning * factor);
+    leaf[leaf_bending] = static_cast<float>(base.bending * factor);
     return true;
   }
 
   const FieldProgram& program_;
   const CodeView& code_;
   Box3 cell_;
-  std::vector<std::pair<uint32_t, Base>> bases_;
-  std::vector<LeafNumbers> leaves_;
-  Tree out_;
+  Vec3 centre_;
+  const Widening* widening_;
+  Tree& out_;
+  TreeBases bases_;
+  std::vector<LeafNumbers>& leaves_;
 };
 
 } // namespace
 
-double turning(const FieldProgram& program, uint32_t space, const Box3& box) {
-  using Variable = Dual<Interval, 3>;
-  const auto variable = [&](int i) { return Variable::variable({box.lower[i], box.upper[i]}, i); };
-  SpacePoints<Variable> points;
-  points.begin(program);
-  const Point3<Variable> p = points.at(program, space, {variable(0), variable(1), variable(2)});
-  double sum = 0;
-  for (const Variable& x : {p.x, p.y, p.z})
-    for (const Interval& d : x.d) sum += square(d.width());
-  return std::isnan(sum) ? std::numeric_limits<double>::infinity() : std::sqrt(sum);
+std::optional<Tree> make_tree(const FieldProgram& program, const CodeView& code, const Box3& cell, const Vec3& centre) {
+  std::optional<Tree> tree(std::in_place);
+  if (!make_tree(program, code, cell, centre, *tree)) tree.reset();
+  return tree;
 }
 
-std::optional<Tree> make_tree(const FieldProgram& program, const CodeView& code, const Box3& cell) {
-  return TreeMaker(program, code, cell).run();
+bool make_tree(const FieldProgram& program, const CodeView& code, const Box3& cell, const Vec3& centre, Tree& out) {
+  return TreeMaker(program, code, cell, centre, nullptr, out).run();
+}
+
+std::optional<Tree> make_wide_tree(const FieldProgram& slab, const CodeView& code, const Box3& cell, const Vec3& centre) {
+  if (slab.threshold != slab.motion->end.threshold) return {};
+  const Widening widening(slab, cell);
+  std::optional<Tree> tree(std::in_place);
+  if (!TreeMaker(at(slab, code, 0.5), code, cell, centre, &widening, *tree).run()) tree.reset();
+  return tree;
 }
 
 } // namespace kelpie

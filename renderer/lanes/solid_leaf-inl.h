@@ -116,7 +116,7 @@ private:
   };
   FromSection from_section(const V3& p) const {
     const V zero = hn::Zero(k_lanes), one = set(1);
-    if (leaf_.form == SolidLeaf::Form::half_space) return {p.z, {zero, zero, one}, one};
+    if (leaf_.form == SolidLeaf::Form::half_space) return {grown(p.z), {zero, zero, one}, one};
     FromSection from;
     from.direction = from_nearest(part(), p, leaf_.form == SolidLeaf::Form::extruded);
     from.length = length(from.direction);
@@ -195,7 +195,7 @@ private:
     const M within = hn::And(is_inside, is_over);
     const V d = hn::IfThenZeroElse(within, hn::Sqrt(least));
     if (rate) *rate = hn::IfThenZeroElse(within, divide(along, d));
-    return d;
+    return grown(d);
   }
 
   M is_past_end(const V3& p, V y) const {
@@ -206,7 +206,7 @@ private:
     const V y = hn::Abs(p.y);
     const V to_circle = from_section({across(p), p.z, hn::Zero(k_lanes)}).distance;
     const V to_end = length({hn::Sub(p.x, set(leaf_.end_x)), hn::Sub(y, set(leaf_.end_y)), p.z});
-    return hn::IfThenElse(is_past_end(p, y), to_end, to_circle);
+    return hn::IfThenElse(is_past_end(p, y), grown(to_end), to_circle);
   }
 
   /// In the half plane through the axis the section is convex, but a line becomes a curve: it lies farther from the axis than

@@ -108,10 +108,12 @@ const FieldProgram& at(const FieldProgram& program, const CodeView& code, double
   }
   now.threshold = threshold_at(program, u);
   now.moving_blobs = {&program.blobs, &motion.end.blobs, static_cast<float>(u)};
+  uint32_t moved = 0; // steps of one space are neighbours, mostly
   for (const Instruction& step : code.steps) {
     if (step.kind != Instruction::Kind::blobs && motion.nodes[step.node])
       interpolate(program.field.nodes[step.node], motion.end.field.nodes[step.node], u, now.field.nodes[step.node]);
-    move_space(program, step.space, u, now);
+    if (step.space != moved) move_space(program, step.space, u, now);
+    moved = step.space;
   }
   return now;
 }
@@ -120,7 +122,18 @@ const FieldProgram& at_with_materials(const FieldProgram& program, const CodeVie
   if (!program.motion) return program;
   const FieldProgram& seen = at(program, code, u);
   FieldProgram& now = program.motion->now.local();
-  for (const MaterialPlace& place : program.identities->places) move_space(program, place.space, u, now);
+  const Identities& whose = *program.identities;
+  uint32_t moved = 0;
+  const auto move_place = [&](uint32_t place) {
+    const uint32_t space = whose.places[place].space;
+    if (space != moved) move_space(program, space, u, now);
+    moved = space;
+  };
+  for (const Instruction& step : code.steps) {
+    if (step.kind == Instruction::Kind::skeleton) move_place(step.first);
+    if (step.kind == Instruction::Kind::blobs)
+      for (const uint32_t i : code.blobs.subspan(step.first, step.count)) move_place(whose.blobs[i].place);
+  }
   return seen;
 }
 

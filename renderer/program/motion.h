@@ -28,7 +28,7 @@ bool set_in_motion(FieldProgram& start, FieldProgram end, const SampledField* he
 /// calls again for the same program; its blobs are those of `program`, on their way.
 const FieldProgram& at(const FieldProgram&, const CodeView&, double u);
 
-/// The same, of a program with identities; the spaces in which materials live are good, too.
+/// The same, of a program with identities; the spaces in which the materials of the code's leaves live are good, too.
 const FieldProgram& at_with_materials(const FieldProgram&, const CodeView&, double u);
 
 /// Around the image of a box of the world in a space, at all times.

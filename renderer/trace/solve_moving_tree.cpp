@@ -6,8 +6,9 @@ namespace kelpie {
 bool solve_moving_tree(const ShapeCells& shape, const Cell& cell, const RaySegment& ray, SolverWork& work, float& t) {
   const CodeView code = shape.code(cell);
   const FieldProgram& now = at(shape.program, code, shape.slab_time(ray.time));
-  const std::optional<Tree> tree = make_tree(now, code, cell.box);
-  return tree ? solve_given_tree(now, tree->view(), cell, ray, work, t) : solve_code(shape, cell, ray, work, t);
+  thread_local Tree tree; // its room stays
+  return make_tree(now, code, cell.box, cell.centre, tree) ? solve_given_tree(now, tree.view(), cell, ray, work, t)
+                                                           : solve_code(shape, cell, ray, work, t);
 }
 
 } // namespace kelpie
