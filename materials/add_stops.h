@@ -9,9 +9,9 @@
 namespace kelpie {
 
 /// Adds as much of each stop's material as `shares_of(std::span<float>)` says.
-template <class Pattern, class SharesOf>
+template <class Pattern, class SharesOf, class Mix>
 void add_stops(const SampledMaterials& all, const Pattern& pattern, const SharesOf& shares_of, const Vec3& p, const Footprint& footprint,
-               float weight, SurfaceMix& mix) {
+               float weight, Mix& mix) {
   std::array<float, 16> few; // need no memory of their own
   std::vector<float> many;
   if (pattern.stops.size() > few.size()) many.resize(pattern.stops.size());
@@ -22,6 +22,7 @@ void add_stops(const SampledMaterials& all, const Pattern& pattern, const Shares
 }
 
 /// Adds a transition, as add_material() does.
-void add_transition(const SampledMaterials&, const Transition<SampledMode>&, const Vec3& p, const Footprint&, float weight, SurfaceMix&);
+template <class Mix>
+void add_transition(const SampledMaterials&, const Transition<SampledMode>&, const Vec3& p, const Footprint&, float weight, Mix&);
 
 } // namespace kelpie

@@ -6,9 +6,10 @@ namespace kelpie {
 namespace {
 
 /// Where a transition is looked at, and the mix that it adds to.
+template <class Mix>
 class Spot {
 public:
-  Spot(const SampledMaterials& all, const Vec3& p, const Footprint& footprint, SurfaceMix& mix)
+  Spot(const SampledMaterials& all, const Vec3& p, const Footprint& footprint, Mix& mix)
       : all_(all), p_(p), footprint_(footprint), mix_(mix) {}
 
   Place place() const { return {p_, footprint_}; }
@@ -66,11 +67,12 @@ private:
   const SampledMaterials& all_;
   const Vec3& p_;
   const Footprint& footprint_;
-  SurfaceMix& mix_;
+  Mix& mix_;
 };
 
 /// What covers the veins of a pattern, or is drawn over its rings, stays with the pattern that has it.
-void add_phases(const Spot& spot, const Transition<SampledMode>& t, float s, float weight) {
+template <class Mix>
+void add_phases(const Spot<Mix>& spot, const Transition<SampledMode>& t, float s, float weight) {
   const PhaseMixture from = spot.phases_of(t.from), to = spot.phases_of(t.to);
   const SpreadPhase &a = from.phases[0], &b = to.phases[0];
   SpreadPhase blended{(1 - s) * a.mean + s * (b.mean - t.shift.value_or(0.f)),
@@ -102,8 +104,8 @@ float share_of_sums_below(float x) {
 }
 
 /// How much of a place is already `to`: `late` is its place in the order of growth, in [0, 1], of a pattern that is so fine.
-float grown_part(const Spot& spot, float late, float fineness, float patch_size, float s) {
-  const Place place = spot.place().scaled(1 / patch_size);
+float grown_part(const Place& seen_at, float late, float fineness, float patch_size, float s) {
+  const Place place = seen_at.scaled(1 / patch_size);
   const float patches = normal_below(place.noise({.octaves = 2, .seed = 0x7a7c4}).value);
   const float order = glm::mix(share_of_sums_below(late + k_patchiness * patches), patches, fineness); // from afar all is as late
   const float border = glm::mix(k_border, 1.f, std::min(1.f, place.width())); // what is finer than a pixel is its mean
@@ -112,12 +114,13 @@ float grown_part(const Spot& spot, float late, float fineness, float patch_size,
 }
 
 /// Both sides have the colours that are between theirs: where so much of space has lower values, or higher ones.
-void add_growth(const Spot& spot, const Transition<SampledMode>& t, float s, float weight) {
+template <class Mix>
+void add_growth(const Spot<Mix>& spot, const Transition<SampledMode>& t, float s, float weight) {
   const auto &from = t.tables->from, &to = t.tables->to;
   const float value_from = from ? spot.value_of(t.from) : 0, value_to = to ? spot.value_of(t.to) : 0;
   const float share_from = from ? from->share_below(value_from) : 0, share_to = to ? to->share_below(value_to) : 0;
   const float fine_from = from ? spot.fineness_of(t.from) : 0, fine_to = to ? spot.fineness_of(t.to) : 0;
-  const float part = grown_part(spot, to ? 1 - share_to : share_from, to ? fine_to : fine_from, t.patch_size.value_or(1.f), s);
+  const float part = grown_part(spot.place(), to ? 1 - share_to : share_from, to ? fine_to : fine_from, t.patch_size.value_or(1.f), s);
   if (!from || !to) {
     spot.add(t.from, weight * (1 - part));
     spot.add(t.to, weight * part);
@@ -136,15 +139,19 @@ void add_growth(const Spot& spot, const Transition<SampledMode>& t, float s, flo
 
 } // namespace
 
+template <class Mix>
 void add_transition(const SampledMaterials& all, const Transition<SampledMode>& t, const Vec3& p, const Footprint& footprint, float weight,
-                    SurfaceMix& mix) {
+                    Mix& mix) {
   const float s = t.progress;
-  const Spot spot(all, p, footprint, mix);
+  const Spot<Mix> spot(all, p, footprint, mix);
   if (s <= 0 || s >= 1) return spot.add(s <= 0 ? t.from : t.to, weight);
   if (t.way == TransitionWay::phase) return add_phases(spot, t, s, weight);
   if (t.way == TransitionWay::growth) return add_growth(spot, t, s, weight);
   spot.add(t.from, weight * (1 - s));
   spot.add(t.to, weight * s);
 }
+
+template void add_transition(const SampledMaterials&, const Transition<SampledMode>&, const Vec3&, const Footprint&, float, SurfaceMix&);
+template void add_transition(const SampledMaterials&, const Transition<SampledMode>&, const Vec3&, const Footprint&, float, HeightMix&);
 
 } // namespace kelpie

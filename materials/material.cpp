@@ -28,12 +28,12 @@ Vec3 mean_colour(const MaterialNode& material, double frame) {
   return std::visit(of_kind, material.kind);
 }
 
-void add_material(const SampledMaterials& all, MaterialIndex index, const Vec3& p, const Footprint& footprint, float weight,
-                  SurfaceMix& mix) {
+template <class Mix>
+void add_material(const SampledMaterials& all, MaterialIndex index, const Vec3& p, const Footprint& footprint, float weight, Mix& mix) {
   std::visit(
       [&]<class Kind>(const Kind& kind) {
         if constexpr (requires { kind.surface(); })
-          mix.add(kind.surface(), weight);
+          mix.add(kind, weight);
         else if constexpr (std::is_same_v<Kind, Transition<SampledMode>>)
           add_transition(all, kind, p, footprint, weight, mix);
         else
@@ -42,6 +42,9 @@ void add_material(const SampledMaterials& all, MaterialIndex index, const Vec3& 
       },
       all[index.index]);
 }
+
+template void add_material(const SampledMaterials&, MaterialIndex, const Vec3&, const Footprint&, float, SurfaceMix&);
+template void add_material(const SampledMaterials&, MaterialIndex, const Vec3&, const Footprint&, float, HeightMix&);
 
 bool is_uniform(const SampledMaterials& all, MaterialIndex index) {
   return std::visit(

@@ -36,8 +36,9 @@ Vec3 mean_colour(const MaterialNode&, double frame);
 /// The materials of a scene at one moment; those that a pattern ranges over stand before it.
 using SampledMaterials = std::vector<MaterialKinds::Variant<SampledMode>>;
 
-/// Adds a material, seen at a point of its space, to a mix, with a weight.
-void add_material(const SampledMaterials&, MaterialIndex, const Vec3& p, const Footprint&, float weight, SurfaceMix&);
+/// Adds a material, seen at a point of its space, to a mix (SurfaceMix or HeightMix), with a weight.
+template <class Mix>
+void add_material(const SampledMaterials&, MaterialIndex, const Vec3& p, const Footprint&, float weight, Mix&);
 
 /// Whether it is the same everywhere: a surface. That is then `surface_of`.
 bool is_uniform(const SampledMaterials&, MaterialIndex);

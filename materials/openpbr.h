@@ -137,10 +137,18 @@ From below: a *base*, which is a metal (`base_metalness`), or a dielectric over 
 /// A surface at one point: what every kind of surface comes to.
 using SurfaceParameters = OpenPbr<SampledMode>;
 
-/// sum of weight * parameters, for weights that sum to 1.
+// Mixes: sums of weight * what a kind of surface says, for weights that sum to 1. What adds materials to one takes any of them:
+//   void add(const Kind&, float weight);                          a surface of any kind
+//   void add_part(const Mix&, float height_scale, float weight);  another mix, whose heights are in another unit
+//   float weight() const;                                         the weights so far
+//   sum() const;
+
+/// Of whole surfaces.
 class SurfaceMix {
 public:
-  void add(const SurfaceParameters& surface, float weight) {
+  template <class Kind>
+  void add(const Kind& kind, float weight) {
+    const SurfaceParameters& surface = kind.surface();
     if (weight <= 0) return;
     if (weight >= 1) {
       sum_ = surface, weight_ = 1;
@@ -155,13 +163,40 @@ public:
         sum_, surface);
     weight_ += weight;
   }
-  /// The weights so far.
+  void add_part(const SurfaceMix& part, float height_scale, float weight) {
+    SurfaceParameters surface = part.sum();
+    surface.bump_height *= height_scale;
+    add(surface, weight);
+  }
   float weight() const { return weight_; }
   const SurfaceParameters& sum() const { return sum_; }
 
 private:
   SurfaceParameters sum_;
   float weight_ = 0;
+};
+
+/// Of their heights alone.
+class HeightMix {
+public:
+  template <class Kind>
+  void add(const Kind& kind, float weight) {
+    add_height(kind.bump_height, weight);
+  }
+  void add_part(const HeightMix& part, float height_scale, float weight) { add_height(part.sum() * height_scale, weight); }
+  float weight() const { return weight_; }
+  float sum() const { return sum_; }
+
+private:
+  void add_height(float height, float weight) {
+    if (weight <= 0) return;
+    if (weight >= 1)
+      sum_ = height, weight_ = 1;
+    else
+      sum_ += height * weight, weight_ += weight;
+  }
+
+  float sum_ = 0, weight_ = 0;
 };
 
 } // namespace kelpie

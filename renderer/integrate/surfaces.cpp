@@ -63,14 +63,17 @@ Surfaces::Surfaces(const FrameScene& frame, const Tracer& tracer) : frame_(frame
 
 const SurfaceParameters& Surfaces::at(const Hit& hit, const Footprint& footprint, std::optional<SurfaceParameters>& memory) const {
   const Shape& shape = shapes_[hit.shape];
-  return shape.is_uniform ? shape.surface : memory.emplace(mix_at(hit, hit.position, footprint).sum());
+  if (shape.is_uniform) return shape.surface;
+  SurfaceMix mix;
+  add_at(hit, hit.position, footprint, mix);
+  return memory.emplace(mix.sum());
 }
 
 /// At a point near the hit; of a field what counts in the hit's cell.
-SurfaceMix Surfaces::mix_at(const Hit& hit, const Vec3& p, const Footprint& footprint) const {
+template <class Mix>
+void Surfaces::add_at(const Hit& hit, const Vec3& p, const Footprint& footprint, Mix& mix) const {
   const Shape& shape = shapes_[hit.shape];
   const Vec3d at_point(p);
-  SurfaceMix mix;
   if (shape.texture)
     add_materials_at(frame_.materials, shape.texture->program(), shape.texture->code_at(at_point), at_point, footprint, mix);
   if (mix.weight() < 1 - k_rest && hit.slab && !frame_.shapes[hit.shape].field.materials.empty()) {
@@ -84,12 +87,15 @@ SurfaceMix Surfaces::mix_at(const Hit& hit, const Vec3& p, const Footprint& foot
     else
       mix.add(shape.surface, 1 - mix.weight());
   }
-  return mix;
 }
 
 /// The gradient of the heights along the surface: each is the mean over a footprint, and they are half a footprint apart.
 Vec3 Surfaces::slope_at(const Hit& hit, const Footprint& footprint) const {
-  const auto height = [&](const Vec3& p) { return mix_at(hit, p, footprint).sum().bump_height; };
+  const auto height = [&](const Vec3& p) {
+    HeightMix mix;
+    add_at(hit, p, footprint, mix);
+    return mix.sum();
+  };
   const float here = height(hit.position);
   const auto along = [&](const Vec3& v) { return (height(hit.position + 0.5f * v) - here) * 2 / glm::dot(v, v) * v; };
   return along(footprint.u) + along(footprint.v);

@@ -45,7 +45,8 @@ private:
     std::shared_ptr<const ValueCells> texture;
   };
 
-  SurfaceMix mix_at(const Hit& hit, const Vec3& p, const Footprint& footprint) const;
+  template <class Mix>
+  void add_at(const Hit& hit, const Vec3& p, const Footprint& footprint, Mix& mix) const;
   Vec3 slope_at(const Hit& hit, const Footprint& footprint) const;
 
   const FrameScene& frame_;

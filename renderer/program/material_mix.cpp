@@ -15,8 +15,9 @@ float world_per_local(const Footprint& world, const Footprint& local) {
 
 } // namespace
 
+template <class Mix>
 void add_materials_at(const SampledMaterials& materials, const FieldProgram& program, const CodeView& code, const Vec3d& p,
-                      const Footprint& footprint, SurfaceMix& mix) {
+                      const Footprint& footprint, Mix& mix) {
   thread_local std::vector<MaterialAt> found;
   const float rest = 1 - mix.weight();
   materials_at(program, code, p, footprint, found);
@@ -26,12 +27,13 @@ void add_materials_at(const SampledMaterials& materials, const FieldProgram& pro
       add_material(materials, m.material, m.position, m.footprint, rest * m.share, mix);
       continue;
     }
-    SurfaceMix part;
+    Mix part;
     add_material(materials, m.material, m.position, m.footprint, 1, part);
-    SurfaceParameters surface = part.sum();
-    surface.bump_height *= scale;
-    mix.add(surface, rest * m.share);
+    mix.add_part(part, scale, rest * m.share);
   }
 }
+
+template void add_materials_at(const SampledMaterials&, const FieldProgram&, const CodeView&, const Vec3d&, const Footprint&, SurfaceMix&);
+template void add_materials_at(const SampledMaterials&, const FieldProgram&, const CodeView&, const Vec3d&, const Footprint&, HeightMix&);
 
 } // namespace kelpie
