@@ -4,7 +4,7 @@
 // OpenPBR's examples have them (Academy Software Foundation); aluminium's after Cheng et al. 2016, others after Polyanskiy's
 // refractiveindex.info. Gallium, which neither has, is an estimate: a metal of free electrons. Colours of amber, honey, jade and wax
 // are choices that look right; those of milk and skin are the albedos that OpenPBR's examples have for light that is
-// scattered below the surface, here on it.
+// scattered below the surface. How far it goes there is for bodies about two units large: scenes have no millimetres.
 #pragma once
 
 #include <array>
@@ -30,6 +30,10 @@ struct Preset {
   float transmission_weight = 0;
   Rgb transmission_color{1, 1, 1};
   float transmission_depth = 0;
+  float subsurface_weight = 0;
+  Rgb subsurface_color{0.8f, 0.8f, 0.8f};
+  float subsurface_radius = 1;
+  Rgb subsurface_radius_scale{1, 0.5f, 0.25f};
 
   template <class Mode = SampledMode>
   OpenPbr<Mode> surface() const {
@@ -38,6 +42,8 @@ struct Preset {
     s.specular_color = specular_color.colour(), s.specular_roughness = specular_roughness, s.specular_ior = specular_ior;
     s.transmission_weight = transmission_weight, s.transmission_color = transmission_color.colour();
     s.transmission_depth = transmission_depth;
+    s.subsurface_weight = subsurface_weight, s.subsurface_color = subsurface_color.colour();
+    s.subsurface_radius = subsurface_radius, s.subsurface_radius_scale = subsurface_radius_scale.colour();
     return s;
   }
 };
@@ -50,8 +56,17 @@ constexpr Preset clear(std::string_view name, std::string_view doc, float ior, P
   return {
       .name = name, .doc = doc, .specular_ior = ior, .transmission_weight = 1, .transmission_color = colour, .transmission_depth = depth};
 }
-constexpr Preset opaque(std::string_view name, std::string_view doc, Preset::Rgb albedo, float ior, float roughness) {
-  return {.name = name, .doc = doc, .base_color = albedo, .specular_roughness = roughness, .specular_ior = ior};
+constexpr Preset translucent(std::string_view name, std::string_view doc, Preset::Rgb albedo, float radius, Preset::Rgb scale, float ior,
+                             float roughness) {
+  return {.name = name,
+          .doc = doc,
+          .base_color = albedo,
+          .specular_roughness = roughness,
+          .specular_ior = ior,
+          .subsurface_weight = 1,
+          .subsurface_color = albedo,
+          .subsurface_radius = radius,
+          .subsurface_radius_scale = scale};
 }
 } // namespace detail
 
@@ -69,10 +84,13 @@ inline constexpr std::array k_presets{
     detail::clear("diamond", "cut diamond", 2.42f),
     detail::clear("amber", "amber: deep orange, `transmission_depth` 1", 1.54f, {0.62f, 0.27f, 0.03f}, 1),
     detail::clear("honey", "honey: golden, `transmission_depth` 1", 1.50f, {0.705f, 0.500f, 0.112f}, 1),
-    detail::opaque("milk", "milk, without light below its surface", {0.808f, 0.811f, 0.699f}, 1.35f, 0),
-    detail::opaque("skin", "fair skin, without light below its surface", {0.671f, 0.505f, 0.371f}, 1.4f, 0.5f),
-    detail::opaque("jade", "polished jade, without light below its surface", {0.19f, 0.40f, 0.21f}, 1.62f, 0.12f),
-    detail::opaque("wax", "candle wax, without light below its surface", {0.75f, 0.70f, 0.55f}, 1.44f, 0.35f),
+    detail::translucent("milk", "milk: light comes out near where it went in, `subsurface_radius` 0.06", {0.808f, 0.811f, 0.699f}, 0.06f,
+                        {1, 0.75f, 0.5f}, 1.35f, 0),
+    detail::translucent("skin", "fair skin, red where light comes from behind: `subsurface_radius` 0.05", {0.671f, 0.505f, 0.371f}, 0.05f,
+                        {1, 0.35f, 0.2f}, 1.4f, 0.5f),
+    detail::translucent("jade", "polished jade, deep: `subsurface_radius` 0.2", {0.36f, 0.55f, 0.37f}, 0.2f, {0.8f, 1, 0.8f}, 1.62f, 0.12f),
+    detail::translucent("wax", "candle wax, which glows in light: `subsurface_radius` 0.16", {0.9f, 0.8f, 0.62f}, 0.16f, {1, 0.65f, 0.35f},
+                        1.44f, 0.35f),
 };
 
 /// The preset of a name; null if there is none.
