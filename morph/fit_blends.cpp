@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <tbb/parallel_for.h>
+#include "base/parallel.h"
 
 #include "morph/open_distances.h"
 
@@ -128,7 +128,7 @@ private:
 void fit_blends(SampledField& field, size_t node) {
   auto& mix = std::get<Metamorphosis<SampledMode>>(field.nodes[node]);
   if (mix.function == MorphFunction::linear) return;
-  tbb::parallel_for(size_t{0}, mix.features.size(), [&](size_t i) {
+  parallel_for(size_t{0}, mix.features.size(), [&](size_t i) {
     const Surroundings surroundings(field, mix, i);
     mix.for_each_pair([&](size_t j, size_t k, size_t which) { mix.features[i].blends[which] = surroundings.blend(j, k); });
   });

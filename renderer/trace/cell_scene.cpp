@@ -24,7 +24,7 @@ struct Window {
   const ShapeCells* shape;
   uint32_t first; ///< of ShapeCells::cells
   std::span<const Cell> cells;
-  mutable HandOver to_builders; ///< to the threads in which Embree asks for bounds
+  mutable HandOver to_builders, from_builders; ///< to the threads in which Embree asks for bounds, and back
 };
 
 struct CellScene::State {
@@ -80,6 +80,7 @@ void cell_bounds(const RTCBoundsFunctionArguments* args) noexcept {
   RTCBounds& out = *args->bounds_o;
   out.lower_x = box.lower.x - pad.x, out.lower_y = box.lower.y - pad.y, out.lower_z = box.lower.z - pad.z;
   out.upper_x = box.upper.x + pad.x, out.upper_y = box.upper.y + pad.y, out.upper_z = box.upper.z + pad.z;
+  window.from_builders.give();
 }
 
 /// Solves one cell for one ray.
@@ -257,11 +258,12 @@ CellScene::CellScene(std::vector<Slabs> shapes) : state_(std::make_unique<State>
     for (const auto& shape : s.shapes[i])
       for (size_t j = 0; j < shape->windows(); ++j, first_scene += share) {
         const std::span<const Cell> cells = shape->cells_in(j);
-        s.windows.push_back({shape.get(), static_cast<uint32_t>(cells.data() - shape->cells.data()), cells, {}});
+        s.windows.push_back({shape.get(), static_cast<uint32_t>(cells.data() - shape->cells.data()), cells, {}, {}});
         attach(s.device, std::span(s.scenes).subspan(first_scene, share), s.windows.back(), i);
       }
   }
   for (RTCScene scene : s.scenes) rtcCommitScene(scene);
+  for (Window& window : s.windows) window.from_builders.take();
   s.device.check();
 }
 

@@ -26,6 +26,7 @@ void throw_if(RTCError error) {
 } // namespace
 
 EmbreeDevice::EmbreeDevice() {
+  to_builders_.give();
   flush_denormals_in_this_thread();
   device_ = rtcNewDevice(nullptr);
   if (!device_) {
@@ -33,11 +34,13 @@ EmbreeDevice::EmbreeDevice() {
     throw std::runtime_error("Embree: no device");
   }
   const auto on_error = [](void* self, RTCError code, const char*) noexcept {
+    static_cast<EmbreeDevice*>(self)->to_builders_.take();
     RTCError none = RTC_ERROR_NONE; // what fails later fails because of the first
     static_cast<EmbreeDevice*>(self)->error_.compare_exchange_strong(none, code);
   };
   rtcSetDeviceErrorFunction(device_, on_error, this);
   const auto on_memory = [](void* self, ssize_t bytes, bool) noexcept {
+    static_cast<EmbreeDevice*>(self)->to_builders_.take();
     static_cast<EmbreeDevice*>(self)->bytes_ += bytes;
     return true;
   };

@@ -5,6 +5,7 @@
 
 #include <embree3/rtcore.h>
 
+#include "base/parallel.h"
 #include "renderer/trace/solve.h"
 
 namespace kelpie {
@@ -28,6 +29,7 @@ public:
 
 private:
   RTCDevice device_;
+  HandOver to_builders_; ///< to the threads in which Embree calls back
   std::atomic<ssize_t> bytes_{0};
   std::atomic<RTCError> error_{RTC_ERROR_NONE};
 };
