@@ -24,6 +24,8 @@ public:
   /// As TimeFunction has them; none of a constant.
   std::vector<double> frames() const { return function_ ? function_->frames() : std::vector<double>{}; }
   std::vector<double> breaks(double from, double to) const { return function_ ? function_->breaks(from, to) : std::vector<double>{}; }
+  /// Null of a constant.
+  const TimeFunction<T>* function() const { return function_.get(); }
   /// Null if it is a constant, or no curve.
   const Curve<T>* curve() const { return dynamic_cast<const Curve<T>*>(function_.get()); }
 

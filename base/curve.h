@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "base/time_function.h"
@@ -19,12 +20,20 @@ enum class Interpolation { linear, step, hermite, smooth, spline };
 /// walk do; `proceed` goes on in a straight line.
 enum class Outside { hold, cycle, cycle_offset, ping_pong, proceed };
 
-/// A key: the value at a frame, and (for Hermite interpolation) its derivatives per frame.
+/// A key: the value at a frame, and (for Hermite interpolation) its derivatives per frame. Where they are others before the key, the curve
+/// has a corner there.
 template <class T>
 struct Key {
+  Key() = default;
+  Key(double at, T is, std::vector<T> slopes = {}, std::optional<std::vector<T>> slopes_before = std::nullopt)
+      : frame(at), value(std::move(is)), derivatives(std::move(slopes)), derivatives_before(std::move(slopes_before)) {}
+
   double frame = 0;
   T value{};
-  std::vector<T> derivatives{};
+  std::vector<T> derivatives;
+  std::optional<std::vector<T>> derivatives_before;
+
+  const std::vector<T>& before() const { return derivatives_before ? *derivatives_before : derivatives; }
 };
 
 /// How a curve goes on before its first key and after its last.
@@ -121,8 +130,11 @@ private:
   /// Of the curve at one of its ends.
   T slope_at(const Key<T>& end, const Key<T>& next) const {
     if (interpolation_ == Interpolation::step) return T{};
-    if (end.derivatives.empty() || next.derivatives.empty()) return secant(end, next); // straight between them, too
-    return end.derivatives[0];
+    const bool is_first = end.frame < next.frame;
+    const std::vector<T>& of_end = is_first ? end.derivatives : end.before();
+    const std::vector<T>& of_next = is_first ? next.before() : next.derivatives;
+    if (of_end.empty() || of_next.empty()) return secant(end, next); // straight between them, too
+    return of_end[0];
   }
   static T secant(const Key<T>& a, const Key<T>& b) { return (b.value + a.value * -1.f) * float(1 / (b.frame - a.frame)); }
 
@@ -138,14 +150,14 @@ private:
   }
 
   static T hermite(const Key<T>& a, const Key<T>& b, double h, double u) {
-    const int n = 1 + static_cast<int>(std::min(a.derivatives.size(), b.derivatives.size()));
+    const int n = 1 + static_cast<int>(std::min(a.derivatives.size(), b.before().size()));
     T sum = a.value * static_cast<float>(basis(0, n, u)) + b.value * static_cast<float>(basis(0, n, 1 - u));
     double scale = 1;
     for (int i = 1; i < n; ++i) {
       scale *= h;
       const double sign = i % 2 ? -1 : 1;
       sum = sum + a.derivatives[i - 1] * static_cast<float>(scale * basis(i, n, u)) +
-            b.derivatives[i - 1] * static_cast<float>(sign * scale * basis(i, n, 1 - u));
+            b.before()[i - 1] * static_cast<float>(sign * scale * basis(i, n, 1 - u));
     }
     return sum;
   }

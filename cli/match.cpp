@@ -12,13 +12,14 @@
 #include "cli/match_text.h"
 #include "cli/read_options.h"
 #include "morph/field_fold.h"
+#include "scene/generic_scene.h"
 
 namespace kelpie {
 
 namespace {
 
 struct MatchOptions {
-  std::string scene, shape, output;
+  std::string scene, shape, output, save_scene;
   std::optional<int> frame;
   ReadOptions read;
 };
@@ -84,8 +85,29 @@ void choose_shape(MatchReport& report, const Scene& scene, const MatchOptions& o
   std::erase_if(report.trees, is_elsewhere), std::erase_if(report.liquids, is_elsewhere);
 }
 
+/// Files that a scene names are relative to its folder.
+void check_folder(const std::string& scene, const std::string& saved) {
+  const auto folder = [](const std::string& file) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(file)).parent_path();
+  };
+  if (folder(scene) != folder(saved))
+    throw Error(ExitStatus::usage, fmt::format("--save-scene: it names files relative to {}: save it there", folder(scene).string()));
+  if (std::filesystem::weakly_canonical(scene) == std::filesystem::weakly_canonical(saved))
+    throw Error(ExitStatus::usage, "--save-scene: that is the scene itself");
+}
+
+void check_usage(const MatchOptions& o) {
+  if (o.output.empty() && o.save_scene.empty()) throw Error(ExitStatus::usage, "say -o OUT.json, -o OUT.svg, or --save-scene OUT.json");
+  if (!o.output.empty()) require_writable(o.output);
+  if (o.save_scene.empty()) return;
+  if (!o.read.set.empty() || !o.read.recipe.empty())
+    throw Error(ExitStatus::usage, "--save-scene writes what the file says: it goes with neither --set nor --recipe");
+  check_folder(o.scene, o.save_scene);
+  require_writable(o.save_scene);
+}
+
 void match(const MatchOptions& o) {
-  require_writable(o.output);
+  check_usage(o);
   set_activity(fmt::format("reading {}", o.scene));
   Diagnostics diagnostics;
   MatchReport report{o.scene, o.frame, {}, {}};
@@ -95,11 +117,22 @@ void match(const MatchOptions& o) {
   if (o.frame && (*o.frame < first || *o.frame > last))
     throw Error(ExitStatus::usage, fmt::format("-f: frame {} is not one of the scene's, which are {} to {}", *o.frame, first, last));
   report.liquids = liquids_of(scene);
+  std::vector<FileToWrite> files;
+  std::string saved;
+  if (!o.save_scene.empty()) {
+    const GenericScene generic = generic_scene(o.scene, scene, report.trees);
+    files.push_back({o.save_scene, generic.text});
+    saved = fmt::format("{}: {} for {}, with {} values that move by {} keys, off by {:.2g} of a value at most\n", o.save_scene,
+                        generic.trees == 1 ? "a tree" : fmt::format("{} trees", generic.trees),
+                        generic.trees == 1 ? "its animorphosis" : "its animorphoses", generic.curves, generic.keys, generic.error);
+  }
   choose_shape(report, scene, o);
-  const bool is_picture = std::filesystem::path(o.output).extension() == ".svg";
-  const std::string bytes = is_picture ? match_picture(report) : match_json(report);
-  write_files_atomically({{o.output, bytes}});
-  print_result(match_summary(report));
+  if (!o.output.empty()) {
+    const bool is_picture = std::filesystem::path(o.output).extension() == ".svg";
+    files.push_back({o.output, is_picture ? match_picture(report) : match_json(report)});
+  }
+  write_files_atomically(files);
+  print_result(match_summary(report) + saved);
 }
 
 std::string ending_problem(const std::string& name) {
@@ -118,15 +151,20 @@ a leaf, or by their places), how much they differ, what share of a divided node 
 shrinks, or from where it grows; of a liquid the pairs of blobs, and how much flows from the one to the other. A `.svg` shows both ends side
 by side, with a line from each part to what it becomes. Places are in the space of the animorphosis, or of the liquid.
 
+--save-scene writes the scene with an ordinary tree in the place of each animorphosis, whose numbers move by keys: to be edited like any other.
+Between two curves of keys these are exact, and no more than both have together with `progress`.
+
 Examples:
   kelpie match fish_to_bird.json -o match.svg
-  kelpie match zoo.json dragon -f 40 -o match.json)");
+  kelpie match zoo.json dragon -f 40 -o match.json
+  kelpie match fish_to_bird.json --save-scene fish_to_bird_keyed.json)");
   command.add_option("SCENE", options->scene, "the scene file (JSON)")->required();
   command.add_option("SHAPE", options->shape, "the shape [the only one with an animorphosis or a liquid]");
   command.add_option("-o,--output", options->output, "the file to write: .json (data) or .svg (a picture)")
-      ->required()
       ->check(CLI::Validator([](std::string& name) { return ending_problem(name); }, ""))
       ->option_text("OUT.{json,svg}");
+  command.add_option("--save-scene", options->save_scene, "write the scene with an ordinary tree in the place of each animorphosis")
+      ->option_text("OUT.json");
   command.add_option("-f,--frame", options->frame, "the frame at which places are shown [half way through the morph]")->option_text("N");
   add_read_options(command, options->read);
   add_recipe_option(command, options->read);

@@ -107,7 +107,7 @@ struct Expression::Formula {
   std::map<std::string, double> slots;
 };
 
-Expression::Expression(const std::string& text) : formula_(std::make_unique<Formula>()) {
+Expression::Expression(const std::string& text) : text_(text), formula_(std::make_unique<Formula>()) {
   if (text.find_first_not_of(" \t\n") == std::string::npos) fail("it is empty");
   if (text.size() > k_most_characters) fail(fmt::format("more than {} characters", k_most_characters));
   if (assigns(text)) fail("'=' is not expected: two values are compared by '=='");

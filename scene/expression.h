@@ -19,6 +19,8 @@ public:
   Expression(Expression&&) noexcept;
   ~Expression();
 
+  /// As it was written.
+  const std::string& text() const { return text_; }
   /// What it refers to besides `frame`.
   std::vector<std::string> names() const;
   /// Says what a name of names() is; all must be said before the first value is asked for.
@@ -31,6 +33,7 @@ public:
 
 private:
   struct Formula;
+  std::string text_;
   std::unique_ptr<Formula> formula_;
   std::map<std::string, Animated<float>> values_;
 };

@@ -18,6 +18,8 @@ public:
   /// `frames`: see TimeFunction.
   Formula(Expression expression, std::vector<double> frames);
 
+  /// The formula as it was written.
+  std::string text() const { return expression_.text(); }
   float at(double frame) const override;
   std::vector<double> frames() const override { return frames_; }
   /// Found by samples: what turns back, bends or jumps between two of them a 64th of the stretch apart is not noticed.
@@ -43,6 +45,8 @@ template <class T>
 class Components final : public TimeFunction<T> {
 public:
   explicit Components(std::array<Animated<float>, 3> parts) : parts_(std::move(parts)) {}
+
+  const std::array<Animated<float>, 3>& parts() const { return parts_; }
 
   T at(double frame) const override { return T{Vec3(parts_[0].at(frame), parts_[1].at(frame), parts_[2].at(frame))}; }
   std::vector<double> frames() const override {
@@ -74,6 +78,7 @@ public:
   Checked(std::shared_ptr<const TimeFunction<T>> function, ParameterRules rules, SourcePosition where, std::string_view what)
       : function_(std::move(function)), rules_(rules), where_(std::move(where)), what_(what) {}
 
+  const TimeFunction<T>& function() const { return *function_; }
   /// Throws an Error (bad_data) with its position where the value is not what its parameter may be.
   T at(double frame) const override;
   std::vector<double> frames() const override { return function_->frames(); }

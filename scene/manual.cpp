@@ -107,7 +107,8 @@ Each key is [frame, value]; frames ascend and need not be whole. `interpolation`
     step       the value holds until the next key
     smooth     starts and stops gently, and never leaves the values of two neighbours
     spline     passes through the keys in a curve that may swing beyond them
-    hermite    derivatives per frame follow the value, as in [1, 0, 0.5]; up to 4 of them
+    hermite    derivatives per frame follow the value, as in [1, 0, 0.5]; up to 4 of them. Where they differ before and after a
+               key: [1, 0, { "before": [0.5], "after": [-0.5] }]
 `before` the first key and `after` the last:
     hold           the value stays (the default)
     cycle          begins again, every (last - first) frames; where the last value is the first, `smooth` and `spline` close the loop without a corner

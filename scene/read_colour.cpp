@@ -8,7 +8,7 @@
 namespace kelpie {
 
 namespace {
-constexpr std::string_view k_expected = R"([r, g, b], "#rrggbb" or {"space": …, "rgb": [r, g, b]})";
+constexpr std::string_view k_colour_form = R"([r, g, b], "#rrggbb" or {"space": …, "rgb": [r, g, b]})";
 /// Conversion between spaces rounds; white must not become 1.0000002 and be refused.
 constexpr double k_tolerance = 1e-4;
 } // namespace
@@ -19,7 +19,7 @@ bool ValueReader::read_hex_colour(Vec3& out, const JsonValue& v, std::string_vie
   unsigned rgb = 0;
   const bool is_hex = text.size() == 7 && text[0] == '#' && std::isxdigit(static_cast<unsigned char>(text[1])) &&
                       std::from_chars(text.data() + 1, end, rgb, 16).ptr == end;
-  if (!is_hex) return fail(v, fmt::format("{}: expected {}, found {}", name, k_expected, in_quotes(text)));
+  if (!is_hex) return fail(v, fmt::format("{}: expected {}, found {}", name, k_colour_form, in_quotes(text)));
   try {
     out = to_scene_linear(Vec3(rgb >> 16, rgb >> 8 & 255, rgb & 255) / 255.f, "color_picking");
   } catch (const Error& e) {
@@ -50,7 +50,7 @@ bool ValueReader::read(Colour& out, const JsonValue& v, const ParameterRules& ru
   const bool is_converted = v.string() || v.object();
   const bool is_good = v.string()   ? read_hex_colour(out.rgb, v, rules.name)
                        : v.object() ? read_colour_in_space(out.rgb, v, rules.name)
-                                    : read_triple(out.rgb, v, rules.name, k_expected);
+                                    : read_triple(out.rgb, v, rules.name, k_colour_form);
   if (!is_good) return false;
   for (size_t i = 0; i < 3; ++i) {
     float& c = out.rgb[i];

@@ -1,5 +1,6 @@
 // Values that change over time: {"keys": [[frame, value, derivative…], …], "interpolation": …}.
 #include <cmath>
+#include <span>
 
 #include "scene/value_reader.h"
 
@@ -48,16 +49,30 @@ bool ValueReader::read_key(Key<T>& out, const JsonValue& v, Interpolation how, c
   if (parts->size() == 2) return is_good;
   if (how != Interpolation::hermite)
     return fail((*parts)[2], fmt::format("{}: derivatives need \"interpolation\": \"hermite\"", rules.name));
-  if (parts->size() > 2 + k_most_derivatives) return fail(v, fmt::format("{}: more than {} derivatives", rules.name, k_most_derivatives));
-  for (size_t i = 2; i < parts->size(); ++i) {
-    // Slopes have no range, and those of colours are scene-linear: a curved space has no derivative of its own.
-    const ParameterRules slope{rules.name, {}};
-    if constexpr (std::is_same_v<T, Colour>)
-      is_good &= read_triple(out.derivatives.emplace_back().rgb, (*parts)[i], rules.name, "[r, g, b]");
-    else
-      is_good &= read(out.derivatives.emplace_back(), (*parts)[i], slope);
-  }
-  return is_good;
+  const auto read_derivatives = [&](std::vector<T>& to, std::span<const JsonValue> from) {
+    if (from.size() > k_most_derivatives) return fail(v, fmt::format("{}: more than {} derivatives", rules.name, k_most_derivatives));
+    bool is_read = true;
+    for (const JsonValue& number : from) {
+      // Slopes have no range, and those of colours are scene-linear: a curved space has no derivative of its own.
+      if constexpr (std::is_same_v<T, Colour>)
+        is_read &= read_triple(to.emplace_back().rgb, number, rules.name, "[r, g, b]");
+      else
+        is_read &= read(to.emplace_back(), number, ParameterRules{rules.name, {}});
+    }
+    return is_read;
+  };
+  const JsonValue& sides = (*parts)[2];
+  if (!sides.object()) return read_derivatives(out.derivatives, std::span(*parts).subspan(2)) && is_good;
+  constexpr std::array<std::string_view, 2> k_sides{"before", "after"};
+  if (parts->size() > 3) return fail((*parts)[3], fmt::format("{}: nothing follows the derivatives of both sides", rules.name));
+  is_good &= check_only(sides, k_sides);
+  const auto read_side = [&](std::vector<T>& to, std::string_view name) {
+    const JsonValue* side = sides.find(name);
+    if (!side) return true;
+    return side->array() ? read_derivatives(to, *side->array()) : fail_type(*side, name, "a list of derivatives");
+  };
+  is_good &= read_side(out.derivatives_before.emplace(), "before");
+  return read_side(out.derivatives, "after") && is_good;
 }
 
 /// A Hermite curve or a spline can leave the range in which its keys lie, and any that does not step passes what lies between two keys.

@@ -45,6 +45,16 @@ TEST(Curve, PassesThroughItsKeysInEveryMode) {
   }
 }
 
+TEST(Curve, MayHaveCorners) {
+  const Curve<float> curve({{0, 0, {0}}, {4, 1, {-1}, std::vector<float>{2}}, {8, 0, {0}}}, Interpolation::hermite,
+                           {Outside::hold, Outside::proceed});
+  const double h = 1e-3;
+  EXPECT_NEAR((curve.at(4) - curve.at(4 - h)) / h, 2, 0.01);
+  EXPECT_NEAR((curve.at(4 + h) - curve.at(4)) / h, -1, 0.01);
+  const Curve<float> straight({{0, 0, {5}}, {4, 1, {}, std::vector<float>{}}}, Interpolation::hermite); // no derivative on one side: a line
+  EXPECT_FLOAT_EQ(straight.at(1), 0.25f);
+}
+
 TEST(Curve, ThatIsSmoothRestsWhereItTurnsAndStaysBetweenNeighbours) {
   Random r(2);
   for (int trial = 0; trial < 200; ++trial) {

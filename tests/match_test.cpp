@@ -1,4 +1,5 @@
 // `kelpie match` as a user runs it.
+#include <algorithm>
 #include <set>
 
 #include <nlohmann/json.hpp>
@@ -134,6 +135,29 @@ TEST_F(Match, SaysWhatIsExchangedAndFindsNestedOnes) {
   EXPECT_EQ(stones[1]["parts"].size(), 1u);
   EXPECT_EQ(stones[1]["parts"][0]["fate"], "exchanged");
   EXPECT_EQ(match("creature").size(), 1u);
+}
+
+TEST_F(Match, SavesTheMorphAsAnOrdinaryScene) {
+  write_scene(std::string(k_creature) + ",\n" + k_stone);
+  const Outcome o = kelpie("match scene.json creature --save-scene keyed.json");
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_NE(o.out.find("keyed.json: 2 trees for its animorphoses, with "), std::string::npos) << o.out;
+  const std::string saved = read_file_bytes(path("keyed.json"));
+  EXPECT_EQ(saved.find("animorphosis"), std::string::npos);
+  EXPECT_EQ(kelpie("check keyed.json").status, 0);
+  const Json field = Json::parse(saved)["shapes"][0]["field"];
+  EXPECT_EQ(field["kind"], "blend");
+  const auto moves = [](const Json& child) { return child.dump().find("\"keys\"") != std::string::npos; };
+  EXPECT_TRUE(std::any_of(field["children"].begin(), field["children"].end(), moves));
+}
+
+TEST_F(Match, RefusesToSaveWhatItCannot) {
+  write_scene(k_creature);
+  EXPECT_EQ(refusal("scene.json", 2), "error: say -o OUT.json, -o OUT.svg, or --save-scene OUT.json\n");
+  EXPECT_EQ(refusal("scene.json --save-scene scene.json", 2), "error: --save-scene: that is the scene itself\n");
+  EXPECT_EQ(refusal("scene.json --save-scene k.json --set frames.last=5", 2),
+            "error: --save-scene writes what the file says: it goes with neither --set nor --recipe\n");
+  EXPECT_NE(refusal("scene.json --save-scene /tmp/k.json", 2).find("it names files relative to"), std::string::npos);
 }
 
 TEST_F(Match, SaysHowMuchOfALiquidFlowsWhere) {
