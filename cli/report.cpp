@@ -76,6 +76,7 @@ public:
   Pictures(const Scene& scene, size_t subject, const PictureMaker& maker) : maker_(maker), seen_(resized(scene, k_thumbnail_width)) {
     seen_.film.spp = k_thumbnail_samples, seen_.film.bounces = std::min(seen_.film.bounces, k_thumbnail_bounces);
     seen_.film.aovs = {};
+    seen_.camera.shutter = 0.f; // blur would hide what pops, and takes long
     alone_ = resized(scene, k_bumps_width);
     alone_.shapes = {scene.shapes[subject]};
     alone_.lights = {};
