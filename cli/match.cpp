@@ -100,6 +100,7 @@ void check_usage(const MatchOptions& o) {
   if (o.output.empty() && o.save_scene.empty()) throw Error(ExitStatus::usage, "say -o OUT.json, -o OUT.svg, or --save-scene OUT.json");
   if (!o.output.empty()) require_writable(o.output);
   if (o.save_scene.empty()) return;
+  if (o.save_scene == o.output) throw Error(ExitStatus::usage, "-o and --save-scene: both are to be " + o.output);
   if (!o.read.set.empty() || !o.read.recipe.empty())
     throw Error(ExitStatus::usage, "--save-scene writes what the file says: it goes with neither --set nor --recipe");
   check_folder(o.scene, o.save_scene);
@@ -164,6 +165,8 @@ Examples:
       ->check(CLI::Validator([](std::string& name) { return ending_problem(name); }, ""))
       ->option_text("OUT.{json,svg}");
   command.add_option("--save-scene", options->save_scene, "write the scene with an ordinary tree in the place of each animorphosis")
+      ->check(CLI::Validator([](std::string& name) { return name.ends_with(".json") ? "" : fmt::format("\"{}\" must end in .json", name); },
+                             ""))
       ->option_text("OUT.json");
   command.add_option("-f,--frame", options->frame, "the frame at which places are shown [half way through the morph]")->option_text("N");
   add_read_options(command, options->read);

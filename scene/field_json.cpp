@@ -16,12 +16,12 @@ namespace {
 
 using Json = FieldWriter::Json;
 
-/// The shortest number that is read as this one.
-Json shortest(float v) {
-  const double number = std::strtod(fmt::format("{}", v).c_str(), nullptr);
-  if (number == std::floor(number) && std::abs(number) < 1e15) return static_cast<std::int64_t>(number);
-  return number;
+Json short_number(double v) {
+  if (v == std::floor(v) && std::abs(v) < 1e15) return static_cast<std::int64_t>(v);
+  return v;
 }
+/// The shortest number that is read as this one.
+Json shortest(float v) { return short_number(std::strtod(fmt::format("{}", v).c_str(), nullptr)); }
 
 double largest_of(float v) { return std::abs(double(v)); }
 double largest_of(const Vec3& v) { return std::max({largest_of(v.x), largest_of(v.y), largest_of(v.z)}); }
@@ -45,7 +45,7 @@ const TimeFunction<T>* behind_checks(const TimeFunction<T>* function) {
 
 template <class T>
 Json FieldWriter::key(const Key<T>& k) {
-  Json out = Json::array({k.frame, value(k.value)});
+  Json out = Json::array({short_number(k.frame), value(k.value)});
   const auto list = [&](const std::vector<T>& derivatives) {
     Json all = Json::array();
     for (const T& d : derivatives) all.push_back(value(d));
@@ -62,7 +62,7 @@ template <class T>
 Json FieldWriter::curve(const Curve<T>& c) {
   Json keys = Json::array();
   const bool has_own = c.interpolation() == Interpolation::hermite; // derivatives; else they were chosen
-  for (const Key<T>& k : c.keys()) keys.push_back(has_own ? key(k) : Json::array({k.frame, value(k.value)}));
+  for (const Key<T>& k : c.keys()) keys.push_back(has_own ? key(k) : Json::array({short_number(k.frame), value(k.value)}));
   Json out{{"keys", keys}};
   if (c.interpolation() != Interpolation::linear) out["interpolation"] = name_of_value(c.interpolation());
   if (c.ends().before != Outside::hold) out["before"] = name_of_value(c.ends().before);
@@ -87,7 +87,6 @@ Json FieldWriter::moving(const Animated<T>& v, const Range& range) {
   const MergedKeys<T> merged = merged_keys(v, first_, last_, range);
   double largest = 0;
   for (const Key<T>& k : merged.keys) largest = std::max(largest, largest_of(k.value));
-  ++curves_, keys_ += merged.keys.size();
   if (largest > 0) error_ = std::max(error_, merged.error / largest);
   const bool stands = std::all_of(merged.keys.begin(), merged.keys.end(), [&](const Key<T>& k) {
     const auto is_zero = [](const std::vector<T>& list) {
@@ -95,7 +94,9 @@ Json FieldWriter::moving(const Animated<T>& v, const Range& range) {
     };
     return k.value == merged.keys.front().value && is_zero(k.derivatives) && is_zero(k.before());
   });
-  return stands ? value(merged.keys.front().value) : curve(Curve<T>(merged.keys, Interpolation::hermite));
+  if (stands) return value(merged.keys.front().value);
+  ++curves_, keys_ += merged.keys.size();
+  return curve(Curve<T>(merged.keys, Interpolation::hermite));
 }
 
 template <class T>

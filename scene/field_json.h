@@ -19,13 +19,15 @@ class FieldWriter {
 public:
   using Json = nlohmann::ordered_json;
 
-  /// `taken`: names that materials may not have.
-  FieldWriter(double first, double last, std::filesystem::path folder, std::set<std::string> taken)
-      : first_(first), last_(last), folder_(std::move(folder)), taken_(std::move(taken)) {}
+  /// `named`: materials that have a name.
+  FieldWriter(double first, double last, std::filesystem::path folder, const std::map<std::string, MaterialPtr>& named)
+      : first_(first), last_(last), folder_(std::move(folder)) {
+    for (const auto& [name, material] : named) taken_.insert(name), names_.emplace(material.get(), name);
+  }
 
   Json tree(const FieldNode&);
 
-  /// Those that the trees so far are made of, by name.
+  /// Those without a name that the trees so far are made of, by the names that they have now.
   const Json& materials() const { return materials_; }
   /// How many values became keys, how many keys these have, and how far any of them is from its value at most, as a part of the largest
   /// number of the value.

@@ -87,14 +87,14 @@ private:
 GenericScene generic_scene(const std::string& path, const Scene& scene, const std::vector<GrownTree>& trees) {
   ProblemList problems;
   const Document document = read_document(path, problems);
-  std::set<std::string> taken;
-  for (const auto& [name, material] : scene.materials) taken.insert(name);
   // The shutter of the first frame is open before it, that of the last one after it.
-  FieldWriter writer(scene.frames.first - 1, scene.frames.last + 1, std::filesystem::absolute(path).parent_path(), std::move(taken));
+  FieldWriter writer(scene.frames.first - 1, scene.frames.last + 1, std::filesystem::absolute(path).parent_path(), scene.materials);
   Rewriter rewriter(document, trees, writer);
   Json root = rewriter.copy(document.root);
   if (rewriter.replaced() == 0)
-    throw Error(ExitStatus::bad_data, "no animorphosis stands in this file, but in what it includes: save that of a scene that has it",
+    throw Error(ExitStatus::bad_data,
+                trees.empty() ? "no shape has an animorphosis"
+                              : "its animorphoses stand in files that it includes: no tree can be saved here",
                 {path});
   for (const auto& [name, material] : writer.materials().items()) root["materials"][name] = material;
   GenericScene out{{}, rewriter.replaced(), writer.curves(), writer.keys(), writer.error()};

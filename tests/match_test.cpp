@@ -154,6 +154,8 @@ TEST_F(Match, SavesTheMorphAsAnOrdinaryScene) {
 TEST_F(Match, RefusesToSaveWhatItCannot) {
   write_scene(k_creature);
   EXPECT_EQ(refusal("scene.json", 2), "error: say -o OUT.json, -o OUT.svg, or --save-scene OUT.json\n");
+  EXPECT_EQ(refusal("scene.json --save-scene k.json -o k.json", 2), "error: -o and --save-scene: both are to be k.json\n");
+  EXPECT_NE(refusal("scene.json --save-scene k.svg", 2).find("\"k.svg\" must end in .json"), std::string::npos);
   EXPECT_EQ(refusal("scene.json --save-scene scene.json", 2), "error: --save-scene: that is the scene itself\n");
   EXPECT_EQ(refusal("scene.json --save-scene k.json --set frames.last=5", 2),
             "error: --save-scene writes what the file says: it goes with neither --set nor --recipe\n");
