@@ -1,24 +1,47 @@
 // A blob: the point skeleton in the form in which clouds hold it by the hundred thousand.
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "base/affine.h"
 #include "base/box.h"
+#include "base/symmetric.h"
 #include "field/potential/falloff.h"
 
 namespace kelpie {
 
-/// The potential weight * falloff(|p - centre|^2 / radius^2). `radius` is that of influence, in scene units.
+/// The potential weight * falloff(|shape (p - centre)|^2 / radius^2): a ball of influence, or an ellipsoid.
 struct Blob {
   Vec3 centre{0};
-  float radius = 1;
+  float radius = 1; ///< of influence, in scene units; of an ellipsoid that of the ball of equal volume
   float weight = 1;
   Falloff falloff = Falloff::quartic;
+  SymmetricMat3 shape{}; ///< positive definite, of determinant 1; the identity: a ball
 };
 
 using BlobCloud = std::vector<Blob>;
 
+inline bool is_round(const Blob& b) { return b.shape.is_identity(); }
+
+/// Takes p - centre into the unit ball where p is in the ellipsoid: shape / radius.
+SymmetricMat3 to_unit_ball(const Blob&);
+
+/// The longest and the shortest of an ellipsoid's half axes.
+struct HalfAxes {
+  float longest, shortest;
+};
+HalfAxes half_axes(const Blob&);
+
 /// The box outside which the blob is 0.
-inline Box3 support(const Blob& b) { return {b.centre - Vec3(b.radius), b.centre + Vec3(b.radius)}; }
+Box3 support(const Blob&);
+
+/// Makes the blob the ellipsoid of the points with |m (p - centre)| <= 1; false, and it stays as it is, if `m` has no inverse, or one
+/// half axis is more than `k_longest_blob` times as long as another.
+bool set_ellipsoid(Blob&, const Mat3d& m);
+inline constexpr double k_longest_blob = 1e3;
+
+/// The blob as seen through a map; nothing where set_ellipsoid() fails.
+std::optional<Blob> mapped(Blob, const Affine&);
 
 } // namespace kelpie
