@@ -110,7 +110,11 @@ glm::dmat3 Placement::turning() const {
 
 BlobCloud Placement::placed(BlobCloud cloud) const {
   const Affine place = map();
-  for (Blob& b : cloud) b.centre = Vec3(place(Vec3d(b.centre))), b.radius *= static_cast<float>(scale);
+  for (Blob& b : cloud)
+    if (const std::optional<Blob> there = is_round(b) ? std::nullopt : mapped(b, place))
+      b = *there;
+    else
+      b.centre = Vec3(place(Vec3d(b.centre))), b.radius *= static_cast<float>(scale);
   return cloud;
 }
 

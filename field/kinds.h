@@ -29,6 +29,7 @@
 #include "field/skeletons/cone_sphere.h"
 #include "field/skeletons/cylinder.h"
 #include "field/skeletons/disc.h"
+#include "field/skeletons/ellipsoid.h"
 #include "field/skeletons/hollow_cone.h"
 #include "field/skeletons/point.h"
 #include "field/skeletons/polyhedron.h"
@@ -50,6 +51,7 @@ namespace kelpie {
 
 using FieldFolderKinds = KindList< //
     Point,                         //
+    Ellipsoid,                     //
     Segment,                       //
     ConeSphere,                    //
     Disc,                          //

@@ -22,6 +22,17 @@ TEST(MovingTracer, Clouds) {
         }
 }
 
+TEST(MovingTracer, Ellipsoids) {
+  for (const Falloff f : {Falloff::quartic, Falloff::wyvill})
+    for (const CloudMotion moves : {CloudMotion::centres, CloudMotion::everything, CloudMotion::some})
+      for (const double reach : {0.3, 1.0}) {
+        SCOPED_TRACE(testing::Message() << "falloff " << int(f) << ", moves " << int(moves) << ", reach " << reach);
+        const MovingField field = moving_cloud(ellipsoid_cloud(f), reach, moves);
+        const auto node_at = [&](double time) { return reference_of(moving_field_at(field, time)); };
+        expect_right(judge_moving_rays(field, {1, 1}, 200, {}, node_at));
+      }
+}
+
 TEST(MovingTracer, TheThresholdMayMove) {
   const BlobCloud cloud = negative_cloud(Falloff::quartic);
   expect_right(judge_moving_rays({field_of(cloud), field_of(cloud)}, {0.8f, 1.2f}, k_rays));

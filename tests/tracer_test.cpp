@@ -20,6 +20,37 @@ TEST(Tracer, CoincidentBlobs) { expect_exact(coincident_cloud(Falloff::quartic))
 TEST(Tracer, ThinBlobs) { expect_exact(thin_cloud(Falloff::quartic)); }
 TEST(Tracer, NegativeBlobs) { expect_exact(negative_cloud(Falloff::quartic)); }
 
+TEST(Tracer, Ellipsoids) {
+  for (const Falloff f : {Falloff::quartic, Falloff::wyvill}) {
+    expect_exact(ellipsoid_cloud(f), k_rays / 2);
+    expect_exact(ellipsoid_cloud(f), k_rays / 4, k_small_cells);
+  }
+}
+
+// Where other things are beside them they are solved as code.
+TEST(Tracer, EllipsoidsInTrees) {
+  SampledField field = field_of(ellipsoid_cloud(Falloff::quartic));
+  Segment<SampledMode> segment;
+  segment.from = Vec3(-1), segment.to = Vec3(1), segment.radius = 0.3f, segment.weight = 2;
+  Difference<SampledMode> cut;
+  cut.children = {unsigned(field.nodes.size() - 1), add(field, segment)};
+  add(field, cut);
+  expect_right(judge_both_ways({field, 1, 2000, {}}));
+}
+
+// Below an affine warp that is no similarity they are as well blobs.
+TEST(Tracer, EllipsoidsBelowAffineWarps) {
+  SampledField field = field_of(ellipsoid_cloud(Falloff::quartic));
+  Rotate<SampledMode> turn;
+  turn.axis = Vec3(1, 2, 3), turn.angle = 50, turn.child = unsigned(field.nodes.size() - 1);
+  Scale<SampledMode> scale;
+  scale.by = Vec3(0.5f), scale.child = add(field, turn);
+  add(field, scale);
+  expect_right(judge_both_ways({field, 1, 2000, {}}));
+  std::get<Scale<SampledMode>>(field.nodes.back()).by = Vec3(0.5f, 0.8f, 1.1f);
+  expect_right(judge_both_ways({field, 1, 1000, {}}));
+}
+
 // Far from a tiny blob a quadratic in powers of s loses the digits that decide.
 TEST(Tracer, TinyBlobsInLongCells) {
   BlobCloud cloud;

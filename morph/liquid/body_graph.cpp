@@ -49,18 +49,19 @@ BodyGraph::BodyGraph(const BlobCloud& from, const BlobCloud& to) : from_count_(f
 }
 
 void BodyGraph::add_nodes(const BlobCloud& cloud, const Vec3d& shift) {
-  for (const Blob& b : cloud) nodes_.push_back({Vec3d(b.centre) + shift, b.radius, shape_of(b).sphere_radius});
+  for (const Blob& b : cloud) nodes_.push_back({Vec3d(b.centre) + shift, b, shape_of(b).sphere_radius / b.radius});
 }
 
 void BodyGraph::add_edges() {
   Box3d box;
-  for (const Node& n : nodes_) box.extend(Box3d{n.centre - n.radius, n.centre + n.radius});
+  for (const Node& n : nodes_) box.extend(Box3d{n.centre - n.radius * n.blob.radius, n.centre + n.radius * n.blob.radius});
   const double leap = k_leap * box.diagonal();
   for (uint32_t i = 0; i < nodes_.size(); ++i)
     for (uint32_t j = i + 1; j < nodes_.size(); ++j) {
       const Node &a = nodes_[i], &b = nodes_[j];
-      const double apart = glm::length(a.centre - b.centre), gap = apart - (a.radius + b.radius);
-      if (apart < k_overlap * (a.reach + b.reach))
+      const Vec3d way = a.centre - b.centre;
+      const double apart = glm::length(way), gap = apart - (a.extent(way) + b.extent(way));
+      if (apart < k_overlap * (a.reach(way) + b.reach(way)))
         add_edge(i, j, apart);
       else if (gap < leap)
         add_edge(i, j, apart + k_air * std::max(0.0, gap));
@@ -100,7 +101,8 @@ void BodyGraph::join_components() {
     for (uint32_t i = 0; i < nodes_.size(); ++i)
       for (uint32_t j = i + 1; j < nodes_.size(); ++j) {
         if (component[i] == component[j]) continue;
-        const double gap = glm::length(nodes_[i].centre - nodes_[j].centre) - nodes_[i].radius - nodes_[j].radius;
+        const Vec3d way = nodes_[i].centre - nodes_[j].centre;
+        const double gap = glm::length(way) - nodes_[i].extent(way) - nodes_[j].extent(way);
         for (const uint32_t c : {component[i], component[j]})
           if (gap < nearest[c].gap) nearest[c] = {gap, i, j};
       }

@@ -35,8 +35,12 @@ private:
   };
   struct Node {
     Vec3d centre{0};
-    double reach = 0;  ///< of the blob
-    double radius = 0; ///< of its own surface
+    Blob blob;
+    double radius = 0; ///< of its own surface, in radii of influence
+
+    /// Of the blob, and of its own surface.
+    double reach(const Vec3d& direction) const { return reach_towards(blob, direction); }
+    double extent(const Vec3d& direction) const { return radius * reach(direction); }
   };
   void add_nodes(const BlobCloud&, const Vec3d& shift);
   void add_edges();

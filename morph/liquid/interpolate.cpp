@@ -61,7 +61,7 @@ LiquidMorph::LiquidMorph(const BlobCloud& from, const BlobCloud& to, Corresponde
 /// Along their ways through the bodies, if there are any.
 void LiquidMorph::add_parts(const std::vector<Link>& links, const BodyGraph* bodies) {
   const auto end = [](const Blob& b, float share) {
-    End e{b.centre, shape_of(b), b.radius, b.weight * cube(b.radius) * share, b.falloff};
+    End e{b.centre, shape_of(b), b.radius, b.weight * cube(b.radius) * share, b.falloff, b.shape};
     e.shape.weight *= share;
     return e;
   };
@@ -103,18 +103,27 @@ float LiquidMorph::flow_radius(const Part& p, float u) const {
   return std::cbrt(cube(radius) + cube(drop_radius_ * left * arriving));
 }
 
+/// What flows is round: plates and rods are for the ends.
+SymmetricMat3 LiquidMorph::form(const Part& p, float u) const {
+  const SymmetricMat3 straight = between(p.from.form, p.to.form, u);
+  if (how_ != Correspondence::flow) return straight;
+  return between(straight, SymmetricMat3{}, away_from_end(u) * away_from_end(1 - u));
+}
+
 Blob LiquidMorph::interpolate(const Part& p, float u, float gain) const {
   const Vec3 centre(p.path(u));
   if (p.balance) gain *= static_cast<float>(std::exp((*p.balance)(u)));
   if (how_ == Correspondence::cellular) {
     const BlobShape &a = p.from.shape, &b = p.to.shape;
-    return to_blob({lerp(a.sphere_radius, b.sphere_radius, u), lerp(a.stiffness, b.stiffness, u), lerp(a.weight, b.weight, u) * gain},
-                   centre, p.from.falloff);
+    Blob out = to_blob({lerp(a.sphere_radius, b.sphere_radius, u), lerp(a.stiffness, b.stiffness, u), lerp(a.weight, b.weight, u) * gain},
+                       centre, p.from.falloff);
+    out.shape = form(p, u);
+    return out;
   }
   // Weights that moved linearly by themselves would multiply the mass of a part between a large and a small blob. The cube of the
   // radius, moved linearly, stays large too long: thin limbs were spread out below the threshold.
   const float volume = how_ == Correspondence::flow ? cube(flow_radius(p, u)) : cube(lerp(p.from.radius, p.to.radius, u));
-  return {centre, std::cbrt(volume), lerp(p.from.mass, p.to.mass, u) / volume * gain, p.from.falloff};
+  return {centre, std::cbrt(volume), lerp(p.from.mass, p.to.mass, u) / volume * gain, p.from.falloff, form(p, u)};
 }
 
 void LiquidMorph::append_parts(float u, float gain, BlobCloud& out) const {

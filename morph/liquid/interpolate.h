@@ -63,8 +63,9 @@ public:
 
   /// Appends the blobs at `progress` in [0, 1]: at 0 exactly `from`, at 1 exactly `to` (LiquidEnds::exact), and the field
   /// changes continuously in between. Centres move linearly. With Correspondence::cellular so do the radius e, the
-  /// stiffness B and the weight w (blob_shape.h); with transport the radius R and the mass W R^3 do. Under VolumeRule::linear all weights
-  /// bear a common factor by which the volume where the sum exceeds 1 changes linearly.
+  /// stiffness B and the weight w (blob_shape.h); with transport the radius R and the mass W R^3 do; with flow parts of ellipsoids are
+  /// round on the way. Under VolumeRule::linear all weights bear a common factor by which the volume where the sum exceeds 1 changes
+  /// linearly.
   void append_blobs(float progress, BlobCloud& out) const;
   /// The same field, but for rounding, cut into the same parts at every progress.
   void append_parts(float progress, BlobCloud& out) const { append_parts(progress, gain_at(progress), out); }
@@ -82,6 +83,7 @@ private:
     float radius = 1; ///< R
     float mass = 1;   ///< its share of W R^3
     Falloff falloff = Falloff::quartic;
+    SymmetricMat3 form{}; ///< the ellipsoid's, as Blob::shape
   };
   struct Part {
     End from, to;
@@ -95,6 +97,7 @@ private:
   void add_parts(const std::vector<Link>&, const BodyGraph*);
   bool is_molten() const { return how_ == Correspondence::flow && ends_ == LiquidEnds::molten; }
   float away_from_end(float progress) const;
+  SymmetricMat3 form(const Part&, float progress) const;
   float flow_radius(const Part&, float progress) const;
   void find_balance();
   void find_gains();

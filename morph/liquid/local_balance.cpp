@@ -20,8 +20,7 @@ public:
     for (const Blob& at : cloud) {
       for (uint32_t j = 0; j < cloud.size(); ++j) {
         const Blob& b = cloud[j];
-        const Vec3d d(at.centre - b.centre);
-        const double u = glm::dot(d, d) / (double(b.radius) * b.radius);
+        const double u = squared_place(b, Vec3d(at.centre - b.centre));
         if (u < 1) entries_.push_back({j, b.weight * falloff(b.falloff, u)});
       }
       first_.push_back(entries_.size());

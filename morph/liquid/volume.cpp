@@ -26,6 +26,16 @@ void add_row(const Blob& b, const FalloffPolynomial& p, float x0, float step, fl
   }
 }
 
+/// The same of an ellipsoid, from where its matrix takes the first place of the row and how far a step goes there.
+void add_row(const Blob& b, const FalloffPolynomial& p, const Vec3& start, const Vec3& step, int first, int last, float* row) {
+  const float a = static_cast<float>(p.a) * b.weight, c = static_cast<float>(p.b) * b.weight;
+  for (int i = first; i <= last; ++i) {
+    const Vec3 u = start + static_cast<float>(i) * step;
+    const float q = std::max(0.f, 1 - glm::dot(u, u));
+    row[i] += q * q * (a + c * q);
+  }
+}
+
 Box3 support(const BlobCloud& cloud) {
   Box3 box;
   for (const Blob& b : cloud) box.extend(kelpie::support(b));
@@ -55,22 +65,29 @@ VolumeGrid::VolumeGrid(const Box3& box, size_t cells) : origin_(box.lower) {
 std::vector<float> VolumeGrid::potentials(const BlobCloud& cloud) const {
   std::vector<float> sums(count_[0] * count_[1] * count_[2], 0.f);
   for (const Blob& b : cloud) {
+    const Box3 box = kelpie::support(b);
     int first[3], last[3];
     for (int k = 0; k < 3; ++k) {
       const float most = static_cast<float>(count_[k] - 1);
-      first[k] = static_cast<int>(std::clamp(std::ceil((b.centre[k] - b.radius - origin_[k]) / step_), 0.f, most));
-      last[k] = static_cast<int>(std::clamp(std::floor((b.centre[k] + b.radius - origin_[k]) / step_), 0.f, most));
+      first[k] = static_cast<int>(std::clamp(std::ceil((box.lower[k] - origin_[k]) / step_), 0.f, most));
+      last[k] = static_cast<int>(std::clamp(std::floor((box.upper[k] - origin_[k]) / step_), 0.f, most));
     }
     const FalloffPolynomial p = polynomial(b.falloff);
+    const Mat3 to_ball(to_unit_ball(b).matrix());
     for (int z = first[2]; z <= last[2]; ++z)
       for (int y = first[1]; y <= last[1]; ++y) {
         const float dy = origin_.y + step_ * static_cast<float>(y) - b.centre.y,
                     dz = origin_.z + step_ * static_cast<float>(z) - b.centre.z;
+        float* const row = sums.data() + (z * count_[1] + y) * count_[0];
+        if (!is_round(b)) {
+          add_row(b, p, to_ball * Vec3(origin_.x - b.centre.x, dy, dz), to_ball * Vec3(step_, 0, 0), first[0], last[0], row);
+          continue;
+        }
         const float yz = dy * dy + dz * dz, left = b.radius * b.radius - yz;
         if (left <= 0) continue;
         const float half = std::sqrt(left) / step_, middle = (b.centre.x - origin_.x) / step_;
         add_row(b, p, origin_.x, step_, yz, std::max(first[0], static_cast<int>(std::floor(middle - half))),
-                std::min(last[0], static_cast<int>(std::ceil(middle + half))), sums.data() + (z * count_[1] + y) * count_[0]);
+                std::min(last[0], static_cast<int>(std::ceil(middle + half))), row);
       }
   }
   return sums;

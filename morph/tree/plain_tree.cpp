@@ -170,7 +170,10 @@ std::vector<Box3d> own_boxes(const Kind<A>& kind, double frame, std::vector<Box3
   if constexpr (BlobSource<K>) {
     BlobCloud cloud;
     sampled().append_blobs(cloud);
-    for (const Blob& b : cloud) boxes.push_back({Vec3d(b.centre) - double(b.radius), Vec3d(b.centre) + double(b.radius)});
+    for (const Blob& b : cloud) {
+      const Box3 box = support(b);
+      boxes.push_back({Vec3d(box.lower), Vec3d(box.upper)});
+    }
   } else if constexpr (ComplexPrimitive<K>) {
     const K k = sampled();
     k.for_each_piece(k.divisions(), add);

@@ -100,6 +100,21 @@ std::vector<Special> make_graph() {
     return kind;
   };
   // Every round one has a centre.
+  add({Point<A>::k_name, Ellipsoid<A>::k_name, 3,
+       [](const AnimatedKind& simple, const AnimatedKind&) -> AnimatedKind {
+         const auto& p = std::get<Point<A>>(simple);
+         Ellipsoid<A> e;
+         e.centre = p.centre, e.weight = p.weight, e.falloff = p.falloff;
+         e.radii = computed<Vec3>([](float radius) { return Vec3(radius); }, p.radius);
+         return e;
+       },
+       [](const AnimatedKind& rich) -> AnimatedKind {
+         const auto& e = std::get<Ellipsoid<A>>(rich);
+         Point<A> p;
+         p.centre = e.centre, p.weight = e.weight, p.falloff = e.falloff;
+         p.radius = computed<float>([](const Vec3& radii) { return std::min({radii.x, radii.y, radii.z}); }, e.radii);
+         return p;
+       }});
   add(special<Point<A>, Segment<A>>(
       1,
       [](const Point<A>& p) {

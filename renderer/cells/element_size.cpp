@@ -78,7 +78,9 @@ void for_each_radius(const FieldProgram& program, const Code& code, Visit&& visi
     const double scale = smallest_scale(program, step.space);
     if (step.kind == Instruction::Kind::blobs) {
       float least = std::numeric_limits<float>::infinity();
-      for (uint32_t j = 0; j < step.count; ++j) least = std::min(least, program.blobs.radius[code.blobs[step.first + j]]);
+      for (uint32_t j = 0; j < step.count; ++j)
+        least = std::min(
+            least, std::sqrt(program.blobs.radius[code.blobs[step.first + j]] * program.blobs.least_radius(code.blobs[step.first + j])));
       visit(step, scale * double(least));
     } else if (step.kind == Instruction::Kind::skeleton) {
       visit(step, scale * skeleton_radius(program, step.node, is_mixed));

@@ -76,13 +76,15 @@ void CellMaker::add_blobs(const std::vector<uint32_t>& list, Cell& cell, CellMem
 BlobForm CellMaker::form_of(const std::vector<uint32_t>& list) const {
   const BlobArrays &s = program_.blobs, &e = program_.motion ? program_.motion->end.blobs : s;
   const bool may_change = program_.motion && program_.motion->blobs_change;
-  bool is_pure = true, moves = false, changes = false;
+  bool is_pure = true, moves = false, changes = false, is_round = true;
   for (const uint32_t i : list) {
     is_pure = is_pure && s.b[i] == 0 && s.a[i] > 0;
     moves = moves || s.x[i] != e.x[i] || s.y[i] != e.y[i] || s.z[i] != e.z[i];
-    changes = changes || (may_change && (s.k[i] != e.k[i] || s.a[i] != e.a[i] || s.b[i] != e.b[i]));
+    changes = changes || (may_change && changes_of(i));
+    is_round = is_round && s.least_radius(i) == s.radius[i] && e.least_radius(i) == e.radius[i];
   }
-  return {is_pure && !changes, moves || changes}; // the root of a weight that changes is not linear in time
+  // The root of a weight that changes is not linear in time. What changes does so by its matrix if it has one.
+  return {is_pure && !changes, moves || changes, is_round && (!changes || s.are_round())};
 }
 
 void CellMaker::write_blobs(const std::vector<uint32_t>& list, const BlobList& to, float* numbers) const {
@@ -96,16 +98,30 @@ void CellMaker::write_blobs(const std::vector<uint32_t>& list, const BlobList& t
     row(blob_x)[j] = s.x[i], row(blob_y)[j] = s.y[i], row(blob_z)[j] = s.z[i];
     row(blob_s)[j] = root, row(blob_k)[j] = root * s.k[i];
     if (!form.is_pure) row(blob_a)[j] = s.a[i], row(blob_b)[j] = s.b[i];
+    const auto shape_row = [](uint32_t r) { return static_cast<BlobShapeRow>(r); };
+    for (uint32_t r = 0; !form.is_round && r < k_shape_rows; ++r)
+      row(form.row_of(shape_row(r)))[j] = std::sqrt(root) * (s.shapes.*BlobShapes::k_members[r])[i];
     if (!form.moves) continue;
     const auto change = [&](BlobRow r, const std::vector<float> BlobArrays::*m) { row(form.change_of(r))[j] = (e.*m)[i] - (s.*m)[i]; };
     change(blob_x, &BlobArrays::x), change(blob_y, &BlobArrays::y), change(blob_z, &BlobArrays::z);
-    if (!form.is_pure) change(blob_k, &BlobArrays::k), change(blob_a, &BlobArrays::a), change(blob_b, &BlobArrays::b);
+    if (form.is_pure) continue;
+    change(blob_k, &BlobArrays::k), change(blob_a, &BlobArrays::a), change(blob_b, &BlobArrays::b);
+    for (uint32_t r = 0; !form.is_round && r < k_shape_rows; ++r) {
+      const auto member = BlobShapes::k_members[r];
+      row(form.change_of(shape_row(r)))[j] = (e.shapes.*member)[i] - (s.shapes.*member)[i];
+    }
   }
+}
+
+/// Whether more of a blob than its centre moves.
+bool CellMaker::changes_of(uint32_t i) const {
+  const BlobArrays &s = program_.blobs, &e = program_.motion->end.blobs;
+  return s.k[i] != e.k[i] || s.a[i] != e.a[i] || s.b[i] != e.b[i] || (!s.are_round() && s.shapes[i] != e.shapes[i]);
 }
 
 bool CellMaker::blob_moves(uint32_t i) const {
   const BlobArrays &s = program_.blobs, &e = program_.motion->end.blobs;
-  return s.x[i] != e.x[i] || s.y[i] != e.y[i] || s.z[i] != e.z[i] || s.k[i] != e.k[i] || s.a[i] != e.a[i] || s.b[i] != e.b[i];
+  return s.x[i] != e.x[i] || s.y[i] != e.y[i] || s.z[i] != e.z[i] || changes_of(i);
 }
 
 /// Whether anything that a code needs is in motion.

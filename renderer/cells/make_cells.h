@@ -19,6 +19,7 @@ private:
   void add_blobs(const std::vector<uint32_t>& list, Cell& cell, CellMemory& memory, std::vector<Cell>& out) const;
   BlobForm form_of(const std::vector<uint32_t>& list) const;
   void write_blobs(const std::vector<uint32_t>& list, const BlobList& to, float* numbers) const;
+  bool changes_of(uint32_t i) const;
   bool blob_moves(uint32_t blob) const;
   bool moves(const Code& code) const;
   bool make_tree(const Code& code, Cell& cell, CellMemory& memory) const;

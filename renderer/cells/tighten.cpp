@@ -43,8 +43,56 @@ constexpr PartCentres k_part_centres;
 /// Half of a part, and a little more: what rounding may add.
 constexpr float k_half_part = 0.1255f;
 
-/// Which of the 64 parts of a box may reach the threshold, as bits.
+/// Which of the 64 parts of a box may reach the threshold, as bits, given what the field is at most in each.
+template <size_t k_vectors>
+uint64_t parts_that_reach(const V (&most)[k_vectors], double threshold) {
+  const V enough = set(static_cast<float>(threshold) * k_safe);
+  uint64_t reached = 0;
+  for (size_t i = 0; i < k_vectors; ++i) reached |= uint64_t{bits_of(hn::Ge(most[i], enough))} << (i * k_width);
+  return reached;
+}
+
+/// Of ellipsoids: their matrices take a part to where it is within a box.
+uint64_t parts_of_ellipsoids(const Box3& box, BlobList blobs, double threshold, TimeSpan time) {
+  constexpr size_t k_vectors = 64 / k_width;
+  const float middle_time = 0.5f * (time.start + time.end), half_time = 0.5f * (time.end - time.start);
+  const V zero = hn::Zero(k_lanes);
+  const Vec3 extent = box.extent(), half = k_half_part * extent;
+  V most[k_vectors];
+  for (V& sum : most) sum = zero;
+  for (size_t i = 0; i < blobs.count && !blobs.is_padding(i); ++i) {
+    const auto number = [&](uint32_t row) { return blobs.row(row)[i]; };
+    Vec3 at, near; // it is somewhere on a segment
+    for (const BlobRow axis : {blob_x, blob_y, blob_z}) {
+      const float way = blobs.form.moves ? number(blobs.form.change_of(axis)) : 0;
+      at[static_cast<int>(axis)] = number(axis) + middle_time * way;
+      near[static_cast<int>(axis)] = half[static_cast<int>(axis)] + half_time * std::abs(way);
+    }
+    const auto entry = [&](BlobShapeRow row) { return number(blobs.form.row_of(row)); };
+    const float xx = entry(shape_xx), yy = entry(shape_yy), zz = entry(shape_zz);
+    const float xy = entry(shape_xy), xz = entry(shape_xz), yz = entry(shape_yz);
+    const Vec3 rows[] = {{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}};
+    for (size_t j = 0; j < k_vectors; ++j) {
+      V d[3];
+      for (int axis = 0; axis < 3; ++axis)
+        d[axis] = hn::MulAdd(hn::Load(k_lanes, k_part_centres.at[axis] + j * k_width), set(extent[axis]), set(box.lower[axis] - at[axis]));
+      V q = set(number(blob_s));
+      for (const Vec3& row : rows) {
+        const V u = hn::MulAdd(set(row.x), d[0], hn::MulAdd(set(row.y), d[1], hn::Mul(set(row.z), d[2])));
+        const V apart = hn::Max(hn::Sub(hn::Abs(u), set(glm::dot(glm::abs(row), near))), zero);
+        q = hn::NegMulAdd(apart, apart, q);
+      }
+      q = hn::Max(q, zero);
+      const V q2 = hn::Mul(q, q);
+      most[j] =
+          hn::Add(most[j], blobs.form.is_pure ? q2 : hn::Max(hn::Mul(q2, hn::MulAdd(set(number(blob_b)), q, set(number(blob_a)))), zero));
+    }
+  }
+  return parts_that_reach(most, threshold);
+}
+
 uint64_t PartsOfBlobs(const Box3& box, BlobList blobs, double threshold, TimeSpan time) {
+  if (!blobs.form.is_round) return parts_of_ellipsoids(box, blobs, threshold, time);
   // Squared distances are sums over the axes, and along an axis parts have four places only: all vectors of lanes share those
   // along x, those of a plane differ along y, and planes along z.
   constexpr size_t k_vectors = 64 / k_width, k_in_plane = 16 / k_width, k_in_row = std::max<size_t>(4 / k_width, 1);
@@ -83,10 +131,7 @@ uint64_t PartsOfBlobs(const Box3& box, BlobList blobs, double threshold, TimeSpa
       }
     }
   }
-  const V enough = set(static_cast<float>(threshold) * k_safe);
-  uint64_t reached = 0;
-  for (size_t i = 0; i < k_vectors; ++i) reached |= uint64_t{bits_of(hn::Ge(most[i], enough))} << (i * k_width);
-  return reached;
+  return parts_that_reach(most, threshold);
 }
 
 /// What the field of a tree is at most within the parts of a box. Places count from `centre`, as those of the tree do.

@@ -171,6 +171,7 @@ private:
   }
 
   bool add_blobs(const Instruction& step) {
+    if (step.count > 0 && !program_.has_round_blobs()) return false;
     for (const uint32_t i : code_.blobs.subspan(step.first, step.count)) {
       const std::optional<BlobExtent> extent = widening_ ? widening_->of_blob(i, step) : BlobExtent{program_.blob(i)};
       if (!extent) return false;

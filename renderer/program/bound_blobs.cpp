@@ -171,6 +171,83 @@ Interval bound_moving(const BlobArrays& s, const BlobArrays& e, std::span<const 
   return intersect(Interval{total(lo), total(hi)}, Interval{total(mean_lo), total(mean_hi)});
 }
 
+/// A symmetric matrix in each lane.
+struct Shape {
+  V xx, yy, zz, xy, xz, yz;
+
+  template <class Of>
+  static Shape of(Of&& number) {
+    return {number(&BlobShapes::xx), number(&BlobShapes::yy), number(&BlobShapes::zz),
+            number(&BlobShapes::xy), number(&BlobShapes::xz), number(&BlobShapes::yz)};
+  }
+  struct Vector {
+    V x, y, z;
+  };
+  Vector operator()(const Vector& d) const {
+    const auto row = [&](V a, V b, V c) { return hn::MulAdd(a, d.x, hn::MulAdd(b, d.y, hn::Mul(c, d.z))); };
+    return {row(xx, xy, xz), row(xy, yy, yz), row(xz, yz, zz)};
+  }
+  Shape magnitude() const { return {hn::Abs(xx), hn::Abs(yy), hn::Abs(zz), hn::Abs(xy), hn::Abs(xz), hn::Abs(yz)}; }
+};
+
+/// The same of ellipsoids, where their matrices take the box: each is a ball of radius 1 there, and the box within a box around its image.
+/// Of what moves the matrix and the place are within half of their changes from those in the middle.
+template <bool k_moves>
+Interval bound_ellipsoids(const BlobArrays& s, const BlobArrays& e, std::span<const uint32_t> list, const Vec3& centre, const Vec3& half,
+                          uint32_t* kept, size_t& count) {
+  constexpr float k_rounding = 4e-7f; // of places that are far in radii
+  const V zero = hn::Zero(k_lanes), one = set(1), one_half = set(0.5f), wider = set(0.5f * (1 + 1e-5f));
+  V lo = zero, hi = zero, mean_lo = zero, mean_hi = zero;
+  count = 0;
+  for (size_t i = 0; i < list.size(); i += k_width) {
+    const auto is_one = hn::FirstN(k_number_lanes, list.size() - i);
+    const auto numbers = numbers_from(list, i);
+    const auto index = hn::BitCast(k_index_lanes, numbers);
+    const auto between = [&](const std::vector<float>& a, const std::vector<float>& b) {
+      const V start = hn::GatherIndex(k_lanes, a.data(), index);
+      if constexpr (k_moves) return Between(start, hn::GatherIndex(k_lanes, b.data(), index));
+      return Between(start, start);
+    };
+    const auto middle_of = [&](const Between& x) { return k_moves ? hn::Mul(one_half, hn::Add(x.lo, x.hi)) : x.lo; };
+    const auto spread_of = [&](const Between& x) { return k_moves ? hn::Mul(wider, hn::Sub(x.hi, x.lo)) : zero; };
+    const auto shape_of = [&](auto&& number) {
+      return Shape::of([&](std::vector<float> BlobShapes::*m) { return number(between(s.shapes.*m, e.shapes.*m)); });
+    };
+    const Between x = between(s.x, e.x), y = between(s.y, e.y), z = between(s.z, e.z);
+    const Shape::Vector d{hn::Sub(middle_of(x), set(centre.x)), hn::Sub(middle_of(y), set(centre.y)), hn::Sub(middle_of(z), set(centre.z))};
+    const Shape::Vector far_d{hn::Abs(d.x), hn::Abs(d.y), hn::Abs(d.z)};
+    const Shape::Vector h{hn::Add(spread_of(x), set(half.x)), hn::Add(spread_of(y), set(half.y)), hn::Add(spread_of(z), set(half.z))};
+    const Shape shape = shape_of(middle_of), sizes = shape.magnitude();
+    const Shape::Vector u = shape(d), reach = sizes(h), rounding = sizes(far_d);
+    Shape::Vector w{hn::MulAdd(set(k_rounding), rounding.x, reach.x), hn::MulAdd(set(k_rounding), rounding.y, reach.y),
+                    hn::MulAdd(set(k_rounding), rounding.z, reach.z)};
+    if constexpr (k_moves) {
+      const Shape::Vector by_shape = shape_of(spread_of)({hn::Add(far_d.x, h.x), hn::Add(far_d.y, h.y), hn::Add(far_d.z, h.z)});
+      w = {hn::Add(w.x, by_shape.x), hn::Add(w.y, by_shape.y), hn::Add(w.z, by_shape.z)};
+    }
+    const Shape::Vector off{hn::Abs(u.x), hn::Abs(u.y), hn::Abs(u.z)};
+    const V near2 = length2(hn::Max(hn::Sub(off.x, w.x), zero), hn::Max(hn::Sub(off.y, w.y), zero), hn::Max(hn::Sub(off.z, w.z), zero));
+    const M reaches = hn::And(hn::RebindMask(k_lanes, is_one), hn::Lt(near2, one));
+    if (hn::AllFalse(k_lanes, reaches)) continue;
+    count += hn::CompressStore(numbers, hn::RebindMask(k_number_lanes, reaches), k_number_lanes, kept + count);
+    const V far2 = length2(hn::Add(off.x, w.x), hn::Add(off.y, w.y), hn::Add(off.z, w.z)), centre2 = length2(u.x, u.y, u.z);
+    const MovingPotentials blobs{between(s.a, e.a), between(s.b, e.b), Between(one, one)};
+    const Between range = blobs.range(near2, far2), middle = blobs.range(centre2, centre2);
+    const V most_change = hn::Mul(blobs.steepest_between(near2, hn::Min(far2, one)), hn::Sqrt(length2(w.x, w.y, w.z)));
+    const auto add = [&](V& sum, V term) { sum = hn::Add(sum, hn::IfThenElseZero(reaches, term)); };
+    add(lo, range.lo), add(hi, range.hi);
+    add(mean_lo, hn::Sub(middle.lo, most_change)), add(mean_hi, hn::Add(middle.hi, most_change));
+  }
+  const auto total = [](V v) { return hn::GetLane(hn::SumOfLanes(k_lanes, v)); };
+  return intersect(Interval{total(lo), total(hi)}, Interval{total(mean_lo), total(mean_hi)});
+}
+
+Interval BoundEllipsoidSum(const BlobArrays& s, const BlobArrays& e, bool moves, std::span<const uint32_t> list, const Vec3& centre,
+                           const Vec3& half, uint32_t* kept, size_t& count) {
+  return moves ? bound_ellipsoids<true>(s, e, list, centre, half, kept, count)
+               : bound_ellipsoids<false>(s, e, list, centre, half, kept, count);
+}
+
 Interval BoundMovingBlobSum(const BlobArrays& s, const BlobArrays& e, bool change, std::span<const uint32_t> list, const Vec3& centre,
                             const Vec3& half, uint32_t* kept, size_t& count) {
   return change ? bound_moving<true>(s, e, list, centre, half, kept, count) : bound_moving<false>(s, e, list, centre, half, kept, count);
@@ -185,14 +262,17 @@ namespace kelpie {
 
 HWY_EXPORT(BoundBlobSum);
 HWY_EXPORT(BoundMovingBlobSum);
+HWY_EXPORT(BoundEllipsoidSum);
 
 Interval bound_blob_sum(const BlobArrays& blobs, std::span<const uint32_t> list, const Vec3& centre, const Vec3& half, uint32_t* kept,
                         size_t& count) {
+  if (!blobs.are_round()) return HWY_DYNAMIC_DISPATCH(BoundEllipsoidSum)(blobs, blobs, false, list, centre, half, kept, count);
   return HWY_DYNAMIC_DISPATCH(BoundBlobSum)(blobs, list, centre, half, kept, count);
 }
 
 Interval bound_moving_blob_sum(const BlobArrays& start, const BlobArrays& end, bool change, std::span<const uint32_t> list,
                                const Vec3& centre, const Vec3& half, uint32_t* kept, size_t& count) {
+  if (!start.are_round()) return HWY_DYNAMIC_DISPATCH(BoundEllipsoidSum)(start, end, true, list, centre, half, kept, count);
   return HWY_DYNAMIC_DISPATCH(BoundMovingBlobSum)(start, end, change, list, centre, half, kept, count);
 }
 

@@ -9,9 +9,23 @@ namespace kelpie {
 
 void BlobArrays::push(const Blob& blob) {
   const FalloffPolynomial f = polynomial(blob.falloff);
+  const HalfAxes axes = half_axes(blob);
+  if (!is_round(blob)) give_shapes();
   x.push_back(blob.centre.x), y.push_back(blob.centre.y), z.push_back(blob.centre.z);
-  radius.push_back(blob.radius), k.push_back(1 / (blob.radius * blob.radius));
+  radius.push_back(axes.longest), k.push_back(1 / (axes.longest * axes.longest));
   a.push_back(static_cast<float>(blob.weight * f.a)), b.push_back(static_cast<float>(blob.weight * f.b));
+  if (has_shapes) least.push_back(axes.shortest), shapes.push(to_unit_ball(blob));
+}
+
+void BlobArrays::give_shapes() {
+  if (has_shapes) return;
+  has_shapes = true;
+  least = radius;
+  for (const float r : radius) shapes.push({1 / r, 1 / r, 1 / r, 0, 0, 0});
+}
+
+void BlobShapes::push(const SymmetricMat3& m) {
+  xx.push_back(m.xx), yy.push_back(m.yy), zz.push_back(m.zz), xy.push_back(m.xy), xz.push_back(m.xz), yz.push_back(m.yz);
 }
 
 size_t FieldProgram::element_count() const {
@@ -57,6 +71,8 @@ public:
     add_to_sum(static_cast<uint32_t>(first().field.root()), View{0, std::vector<Affine>(moments_.size()), 0}, Demand::sign, sum);
     finish(sum);
     for (size_t i = 1; i < moments_.size(); ++i) moments_[i].code = first().code;
+    if (std::any_of(moments_.begin(), moments_.end(), [](const FieldProgram& m) { return !m.blobs.are_round(); }))
+      for (FieldProgram& m : moments_) m.blobs.give_shapes();
     sort_blobs(moments_, identities_);
     if (options_.with_identities) {
       const auto all =
@@ -209,21 +225,26 @@ private:
       if (const auto scale = similarity_scale(view.space_from_here[i].linear)) scales.push_back(*scale);
     }
     const bool is_folded = scales.size() == moments_.size();
+    for (size_t i = 0; is_folded && i < moments_.size(); ++i)
+      for (Blob& blob : clouds[i]) fold(view.space_from_here[i], scales[i], blob);
     std::vector<uint32_t>& list = list_of(sum, is_folded ? view.space : space_of(view));
     const uint32_t place = place_of_blobs<Kind>(index, view);
     for (size_t j = 0; j < clouds[0].size(); ++j) {
       if (std::all_of(clouds.begin(), clouds.end(), [&](const BlobCloud& c) { return c[j].weight == 0; })) continue;
       list.push_back(static_cast<uint32_t>(first().blobs.size()));
       if (options_.with_identities) identities_.push_back({index, static_cast<uint32_t>(j), place});
-      for (size_t i = 0; i < moments_.size(); ++i) {
-        Blob blob = clouds[i][j];
-        if (is_folded) {
-          blob.centre = Vec3(view.space_from_here[i](Vec3d(blob.centre)));
-          blob.radius = static_cast<float>(blob.radius * scales[i]);
-        }
-        moments_[i].blobs.push(blob);
-      }
+      for (size_t i = 0; i < moments_.size(); ++i) moments_[i].blobs.push(clouds[i][j]);
     }
+  }
+
+  /// Takes a blob along by a similarity that scales by this.
+  static void fold(const Affine& map, double scale, Blob& blob) {
+    if (!is_round(blob)) {
+      if (const std::optional<Blob> seen = mapped(blob, map)) blob = *seen;
+      return;
+    }
+    blob.centre = Vec3(map(Vec3d(blob.centre)));
+    blob.radius = static_cast<float>(blob.radius * scale);
   }
 
   template <class Kind>

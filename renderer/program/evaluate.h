@@ -21,17 +21,29 @@ inline BlobNumbers FieldProgram::blob(uint32_t i) const {
   if (!moving_blobs.start) return blobs[i];
   const BlobNumbers s = (*moving_blobs.start)[i], e = (*moving_blobs.end)[i];
   const auto between = [&](float x, float y) { return interpolate(x, y, moving_blobs.part); };
-  return {between(s.x, e.x), between(s.y, e.y), between(s.z, e.z), between(s.k, e.k), between(s.a, e.a), between(s.b, e.b)};
+  const SymmetricMat3 &m = s.shape, &n = e.shape;
+  return {between(s.x, e.x),
+          between(s.y, e.y),
+          between(s.z, e.z),
+          between(s.k, e.k),
+          between(s.a, e.a),
+          between(s.b, e.b),
+          {between(m.xx, n.xx), between(m.yy, n.yy), between(m.zz, n.zz), between(m.xy, n.xy), between(m.xz, n.xz), between(m.yz, n.yz)}};
 }
 
 /// The sum of blobs of a program at p.
 template <class Real>
 Real sum_of_blobs(const FieldProgram& program, std::span<const uint32_t> list, const Point3<Real>& p) {
   Real sum(0.0);
+  const bool are_round = program.has_round_blobs();
   for (const uint32_t i : list) {
     const BlobNumbers blob = program.blob(i);
-    const Real d2 = square(p.x - Real(blob.x)) + square(p.y - Real(blob.y)) + square(p.z - Real(blob.z));
-    const Real q = max(Real(0.0), Real(1.0) - d2 * double(blob.k));
+    const Point3<Real> d{p.x - Real(blob.x), p.y - Real(blob.y), p.z - Real(blob.z)};
+    const auto along = [&](float x, float y, float z) { return d.x * double(x) + d.y * double(y) + d.z * double(z); };
+    const SymmetricMat3& m = blob.shape;
+    const Real u2 = are_round ? (square(d.x) + square(d.y) + square(d.z)) * double(blob.k)
+                              : square(along(m.xx, m.xy, m.xz)) + square(along(m.xy, m.yy, m.yz)) + square(along(m.xz, m.yz, m.zz));
+    const Real q = max(Real(0.0), Real(1.0) - u2);
     sum = sum + square(q) * (Real(blob.a) + q * double(blob.b));
   }
   return sum;

@@ -37,7 +37,7 @@ bool is_same(const Space& a, const Space& b) {
 }
 
 bool is_same(const BlobArrays& a, const BlobArrays& b) {
-  return a.x == b.x && a.y == b.y && a.z == b.z && a.k == b.k && a.a == b.a && a.b == b.b;
+  return a.x == b.x && a.y == b.y && a.z == b.z && a.k == b.k && a.a == b.a && a.b == b.b && a.shapes == b.shapes;
 }
 
 /// What cannot say how far it moves stands as it is in the middle.
@@ -74,7 +74,7 @@ bool set_in_motion(FieldProgram& start, FieldProgram end, const SampledField* he
     moves = moves || motion->spaces[step.space] || (step.kind != Instruction::Kind::blobs && motion->nodes[step.node]);
   if (!moves) return true;
   const BlobArrays &s = start.blobs, &e = end.blobs;
-  motion->blobs_change = s.k != e.k || s.a != e.a || s.b != e.b || s.radius != e.radius;
+  motion->blobs_change = s.k != e.k || s.a != e.a || s.b != e.b || s.radius != e.radius || s.shapes != e.shapes;
   motion->end = std::move(end);
   if (!find_support(start, motion.get(), start.support)) return false;
   for (uint32_t i = 0; i < motion->nodes.size(); ++i)
@@ -203,8 +203,15 @@ private:
       const Vec3d p(s.x, s.y, s.z), q(e.x, e.y, e.z);
       // 1 / sqrt(k) and not the radius, which interpolated programs do not have.
       const double radius = 1 / std::sqrt(double(std::max(s.k, e.k)));
-      places_.push_back(glm::distance(p, q) / radius);
-      rest(s.k, e.k);
+      if (b_.has_round_blobs()) {
+        places_.push_back(glm::distance(p, q) / radius);
+        rest(s.k, e.k);
+      } else { // in the unit ball; what turns or stretches moves the ends of the longest half axis most
+        places_.push_back(glm::length(s.shape(p - q)));
+        const Mat3d change = s.shape.matrix() - e.shape.matrix();
+        places_.push_back(std::sqrt(glm::dot(change[0], change[0]) + glm::dot(change[1], change[1]) + glm::dot(change[2], change[2])) *
+                          radius);
+      }
       most_ = std::max(most_, (std::abs(s.a - e.a) + std::abs(s.b - e.b)) / a_.threshold);
       box.extend(p), least = std::min(least, radius);
     }
@@ -285,7 +292,8 @@ ProgramDifference difference(const FieldProgram& a, const FieldProgram& b) { ret
 // --- memory ---
 
 size_t program_bytes(const FieldProgram& p) {
-  size_t bytes = p.blobs.size() * sizeof(float) * 7 + (p.code.operands.size() + p.code.blobs.size()) * sizeof(uint32_t) +
+  const size_t lists = p.blobs.are_round() ? 7 : 8 + BlobShapes::k_members.size();
+  size_t bytes = p.blobs.size() * sizeof(float) * lists + (p.code.operands.size() + p.code.blobs.size()) * sizeof(uint32_t) +
                  p.code.steps.size() * sizeof(Instruction) + p.spaces.size() * sizeof(Space) + p.field.nodes.size() * sizeof(Node);
   for (const auto& [node, faces] : p.hulls) bytes += faces.size() * sizeof(HullFace);
   if (p.identities) bytes += (p.identities->blobs.size() + p.identities->pieces.size()) * sizeof(LeafIdentity);

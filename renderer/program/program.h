@@ -1,6 +1,7 @@
 // A field, compiled for one frame: a flat program in post-order.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <unordered_map>
@@ -10,19 +11,50 @@
 
 namespace kelpie {
 
-/// The numbers of one blob.
+/// The numbers of one blob. Its potential is q^2 (a + b q) with q = max(0, 1 - |p - (x, y, z)|^2 k); of an ellipsoid
+/// q = max(0, 1 - |shape (p - (x, y, z))|^2).
 struct BlobNumbers {
   float x, y, z, k, a, b;
+  SymmetricMat3 shape{};
 };
 
-/// The blobs of a program in structure-of-arrays form. The potential of one is q^2 (a + b q) with
-/// q = max(0, 1 - |p - centre|^2 k): the weight is folded into the falloff's polynomial.
+/// The shapes of a program's blobs: they take what is seen from a centre into the unit ball.
+struct BlobShapes {
+  std::vector<float> xx, yy, zz, xy, xz, yz;
+
+  static constexpr std::array k_members{&BlobShapes::xx, &BlobShapes::yy, &BlobShapes::zz,
+                                        &BlobShapes::xy, &BlobShapes::xz, &BlobShapes::yz};
+  void push(const SymmetricMat3&);
+  SymmetricMat3 operator[](uint32_t i) const { return {xx[i], yy[i], zz[i], xy[i], xz[i], yz[i]}; }
+
+  friend bool operator==(const BlobShapes&, const BlobShapes&) = default;
+};
+
+/// The blobs of a program in structure-of-arrays form: the weight is folded into the falloff's polynomial.
 struct BlobArrays {
-  std::vector<float> x, y, z, radius, k, a, b;
+  std::vector<float> x, y, z, a, b;
+  std::vector<float> radius; ///< the farthest that each reaches
+  std::vector<float> k;      ///< 1 / radius^2
+  std::vector<float> least;  ///< the shortest half axis of each ellipsoid; only if they have shapes
+  BlobShapes shapes;
+  bool has_shapes = false; ///< some may be ellipsoids
 
   size_t size() const { return x.size(); }
+  bool are_round() const { return !has_shapes; }
   void push(const Blob&);
-  BlobNumbers operator[](uint32_t i) const { return {x[i], y[i], z[i], k[i], a[i], b[i]}; }
+  float least_radius(uint32_t i) const { return are_round() ? radius[i] : least[i]; }
+  BlobNumbers operator[](uint32_t i) const { return {x[i], y[i], z[i], k[i], a[i], b[i], are_round() ? SymmetricMat3{} : shapes[i]}; }
+  /// Calls visit(numbers) for each list of numbers that there is.
+  template <class Visit>
+  void for_each_list(Visit&& visit) {
+    for (auto* list : {&x, &y, &z, &a, &b, &radius, &k}) visit(*list);
+    if (are_round()) return;
+    visit(least);
+    for (const auto member : BlobShapes::k_members) visit(shapes.*member);
+  }
+
+  /// Makes balls ellipsoids, so that they may be listed with such.
+  void give_shapes();
 };
 
 /// Blobs on their way from one list to another.
@@ -115,6 +147,7 @@ struct FieldProgram {
   std::shared_ptr<const Motion> motion;                      ///< how all this changes over a slab of time (motion.h); null: it does not
 
   BlobNumbers blob(uint32_t i) const;
+  bool has_round_blobs() const { return (moving_blobs.start ? *moving_blobs.start : blobs).are_round(); }
   /// Number of blobs and skeletons.
   size_t element_count() const;
   /// Whose the skeleton of a node is.

@@ -69,8 +69,7 @@ void sort_blobs(std::span<FieldProgram> moments, std::vector<LeafIdentity>& iden
   for (const Instruction& step : first.code.steps)
     if (step.kind == Instruction::Kind::blobs) std::sort(list.begin() + step.first, list.begin() + step.first + step.count);
   for (FieldProgram& program : moments) {
-    BlobArrays& b = program.blobs;
-    for (std::vector<float>* values : {&b.x, &b.y, &b.z, &b.radius, &b.k, &b.a, &b.b}) reorder(order, *values);
+    program.blobs.for_each_list([&](std::vector<float>& values) { reorder(order, values); });
     program.code.blobs = list;
   }
   reorder(order, identities);

@@ -71,6 +71,21 @@ Vec3 cell_gradient(const ShapeCells& shape, const Cell& cell, const Vec3& p, flo
 
 namespace {
 
+/// The matrix of an ellipsoid at a time of the slab, and how it changes.
+std::pair<Mat3d, Mat3d> shape_of(const BlobList& blobs, size_t i, double u) {
+  const BlobForm& form = blobs.form;
+  std::array<double, k_shape_rows> now{}, rate{};
+  for (uint32_t r = 0; r < k_shape_rows; ++r) {
+    const auto row = static_cast<BlobShapeRow>(r);
+    rate[r] = form.moves && !form.is_pure ? double(blobs.row(form.change_of(row))[i]) : 0;
+    now[r] = double(blobs.row(form.row_of(row))[i]) + u * rate[r];
+  }
+  const auto matrix = [](const std::array<double, k_shape_rows>& m) {
+    return Mat3d{{m[shape_xx], m[shape_xy], m[shape_xz]}, {m[shape_xy], m[shape_yy], m[shape_yz]}, {m[shape_xz], m[shape_yz], m[shape_zz]}};
+  };
+  return {matrix(now), matrix(rate)};
+}
+
 /// The derivative of a sum of blobs by the slab's time, from the formulas of blob_list.h.
 double blobs_rate(const BlobList& blobs, const Vec3d& p, double u) {
   if (!blobs.form.moves) return 0;
@@ -80,10 +95,16 @@ double blobs_rate(const BlobList& blobs, const Vec3d& p, double u) {
     const auto change = [&](BlobRow row) { return double(blobs.row(blobs.form.change_of(row))[i]); };
     const Vec3d way(change(blob_x), change(blob_y), change(blob_z));
     const Vec3d d = p - (Vec3d(start(blob_x), start(blob_y), start(blob_z)) + u * way);
-    const double k_rate = blobs.form.is_pure ? 0 : change(blob_k), k = start(blob_k) + u * k_rate;
-    const double q = start(blob_s) - k * glm::dot(d, d);
+    double q = start(blob_s), q_rate = 0;
+    if (blobs.form.is_round) {
+      const double k_rate = blobs.form.is_pure ? 0 : change(blob_k), k = start(blob_k) + u * k_rate;
+      q -= k * glm::dot(d, d), q_rate = 2 * k * glm::dot(d, way) - k_rate * glm::dot(d, d);
+    } else {
+      const auto [m, m_rate] = shape_of(blobs, i, u);
+      const Vec3d in_ball = m * d;
+      q -= glm::dot(in_ball, in_ball), q_rate = 2 * glm::dot(in_ball, m * way - m_rate * d);
+    }
     if (q <= 0) continue;
-    const double q_rate = 2 * k * glm::dot(d, way) - k_rate * glm::dot(d, d);
     if (blobs.form.is_pure) {
       sum += 2 * q * q_rate;
     } else {

@@ -1,4 +1,4 @@
-// The solver for sums of point blobs. Along a ray, centred on the segment (s in [-h, h]), each blob's
+// The solver for sums of blobs. Along a ray, centred on the segment (s in [-h, h]), each blob's
 // q = s_i - k_i |p - c_i|^2 is a quadratic in s, kept as a - (c s - b)^2 from the place nearest to the centre: nothing
 // cancels, however far the blob is. The field is sampled at 16 places in SIMD lanes; a root
 // pair hidden between two samples is ruled out by a bound of the field's curvature from below,
@@ -56,13 +56,26 @@ struct BlobGroup {
     };
     x = number(blob_x), y = number(blob_y), z = number(blob_z);
     s = standing(blob_s);
-    if constexpr (F.is_pure)
-      k = standing(blob_k);
+    if constexpr (!F.is_pure) w = number(blob_a), v = number(blob_b);
+    if constexpr (F.is_round)
+      k = F.is_pure ? standing(blob_k) : number(blob_k);
     else
-      k = number(blob_k), w = number(blob_a), v = number(blob_b);
+      shape = ShapeLanes::of([&](BlobShapeRow row) {
+        const V at_start = hn::LoadU(k_lanes, blobs.row(F.row_of(row)) + i);
+        if constexpr (F.moves && !F.is_pure) return hn::MulAdd(hn::LoadU(k_lanes, blobs.row(F.change_of(row)) + i), time, at_start);
+        return at_start;
+      });
   }
 
-  V x, y, z, s, k, w, v; ///< w and v only of mixed ones
+  BlobOnLine along(const V3& to_blob, const V3& direction) const {
+    if constexpr (F.is_round) return BlobOnLine::of_ball(s, k, to_blob, direction);
+    return BlobOnLine::of_ellipsoid(s, shape, to_blob, direction);
+  }
+
+  V x, y, z, s;
+  V k;              ///< only of round ones
+  ShapeLanes shape; ///< only of others
+  V w, v;           ///< only of mixed ones
 };
 
 template <BlobForm F>
@@ -93,12 +106,8 @@ private:
     size_t count = 0;
     for (size_t i = 0; i < blobs.count; i += k_width) {
       const BlobGroup<F> group(blobs, i, time);
-      const V s = group.s, k = group.k;
       const V3 to_blob{hn::Sub(group.x, middle.x), hn::Sub(group.y, middle.y), hn::Sub(group.z, middle.z)};
-      const V along = dot(to_blob, direction);
-      const V3 across{hn::NegMulAdd(along, direction.x, to_blob.x), hn::NegMulAdd(along, direction.y, to_blob.y),
-                      hn::NegMulAdd(along, direction.z, to_blob.z)};
-      const V a = hn::NegMulAdd(k, dot(across, across), s);
+      const auto [along, k, a] = group.along(to_blob, direction);
       const V c = hn::Sqrt(k), b = hn::Mul(c, along);
       // q is largest at the place nearest to the centre.
       const V off = hn::Sub(hn::Min(hn::Max(along, hn::Neg(h)), h), along);
@@ -109,7 +118,7 @@ private:
       hn::CompressStore(b, reaches, k_lanes, active_.b.data() + count);
       if constexpr (F.is_pure) {
         // q is scaled by the root s of the weight w: w times the curvature of q^2 is s (s k) times it.
-        curvature = hn::Add(curvature, hn::IfThenElseZero(reaches, hn::Mul(s, k)));
+        curvature = hn::Add(curvature, hn::IfThenElseZero(reaches, hn::Mul(group.s, k)));
         most = hn::Add(most, hn::IfThenElseZero(reaches, hn::Mul(q, q)));
       } else {
         const V w = group.w, v = group.v;
@@ -222,7 +231,7 @@ bool SolveBlobs(const ShapeCells& shape, const Cell& cell, const RaySegment& ray
                   [&]<BlobForm F>() { return BlobSolver<F>(threshold, ray.from_inside, work, active).run(cell.blobs, ray, u, t); });
 }
 
-/// d/dp of q^2 (w + v q) with q = s - k |p - c|^2: -2 k q (2 w + 3 v q) (p - c).
+/// d/dp of q^2 (w + v q) with q = s - k |p - c|^2: -2 k q (2 w + 3 v q) (p - c), and m m instead of k for ellipsoids.
 template <BlobForm F>
 Vec3 gradient_of(BlobList blobs, const Vec3& p, float slab_time) {
   const V3 place{set(p.x), set(p.y), set(p.z)};
@@ -231,11 +240,19 @@ Vec3 gradient_of(BlobList blobs, const Vec3& p, float slab_time) {
   for (size_t i = 0; i < blobs.count; i += k_width) {
     const BlobGroup<F> group(blobs, i, time);
     const V3 d{hn::Sub(place.x, group.x), hn::Sub(place.y, group.y), hn::Sub(place.z, group.z)};
-    const V q = hn::Max(hn::NegMulAdd(group.k, dot(d, d), group.s), zero);
+    V q, k = set(1);
+    V3 way = d;
+    if constexpr (F.is_round) {
+      k = group.k, q = hn::NegMulAdd(k, dot(d, d), group.s);
+    } else {
+      const V3 u = group.shape(d);
+      way = group.shape(u), q = hn::Sub(group.s, dot(u, u));
+    }
+    q = hn::Max(q, zero);
     V slope = set(2);
     if constexpr (!F.is_pure) slope = hn::MulAdd(hn::Mul(set(3), group.v), q, hn::Add(group.w, group.w));
-    const V factor = hn::Mul(hn::Mul(group.k, q), slope);
-    sum = {hn::MulAdd(factor, d.x, sum.x), hn::MulAdd(factor, d.y, sum.y), hn::MulAdd(factor, d.z, sum.z)};
+    const V factor = hn::Mul(hn::Mul(k, q), slope);
+    sum = {hn::MulAdd(factor, way.x, sum.x), hn::MulAdd(factor, way.y, sum.y), hn::MulAdd(factor, way.z, sum.z)};
   }
   const auto total = [](V g) { return -2 * hn::GetLane(hn::SumOfLanes(k_lanes, g)); };
   return {total(sum.x), total(sum.y), total(sum.z)};

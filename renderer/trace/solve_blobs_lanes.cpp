@@ -1,4 +1,4 @@
-// The solver for sums of point blobs, for packets: lanes are rays. Each lane marches along its own segment
+// The solver for sums of blobs, for packets: lanes are rays. Each lane marches along its own segment
 // (s in [-h, h], centred), with steps that suit its own field: a step is taken if the bound of the curvature
 // from below (solve_blobs.cpp) rules out a hidden pair of roots in it, and halved if not; where the sign
 // changes, regula falsi follows. s is a length: t times the direction's length, which is 1 but for rounding.
@@ -25,7 +25,7 @@
 namespace kelpie {
 
 /// The quadratics q(s) = a - (r s - e)^2 of the blobs that some lane meets, with potential q^2 (w + v q): what each lane
-/// has of its own (a and e; where blobs change over time r, w and v too), then what the lanes share.
+/// has of its own (a and e; of ellipsoids r too, and where blobs change over time r, w and v), then what the lanes share.
 struct LaneBlobs {
   static constexpr size_t k_most_own = 5;
   AlignedFloats own;
@@ -56,7 +56,8 @@ template <BlobForm F>
 class LaneSolver {
   /// Radii and weights change over time, and lanes have times of their own.
   static constexpr bool k_changing = F.moves && !F.is_pure;
-  static constexpr size_t k_own = k_changing ? 5 : 2;
+  static constexpr bool k_own_r = k_changing || !F.is_round;
+  static constexpr size_t k_own = k_changing ? 5 : k_own_r ? 3 : 2;
 
 public:
   LaneSolver(V threshold, V slab_time, SolverWork& work, std::array<LaneBlobs, 2>& active)
@@ -94,26 +95,37 @@ private:
         return set(standing(row));
       };
       const V3 c{hn::Sub(number(blob_x), m.x), hn::Sub(number(blob_y), m.y), hn::Sub(number(blob_z), m.z)};
-      const V s = set(standing(blob_s)), k = k_changing ? number(blob_k) : set(standing(blob_k));
-      const V along = dot(c, d);
-      const V3 across{hn::NegMulAdd(along, d.x, c.x), hn::NegMulAdd(along, d.y, c.y), hn::NegMulAdd(along, d.z, c.z)};
-      const V a = hn::NegMulAdd(k, dot(across, across), s);
+      const V s = set(standing(blob_s));
+      const auto on_line = [&] {
+        if constexpr (F.is_round) {
+          return BlobOnLine::of_ball(s, k_changing ? number(blob_k) : set(standing(blob_k)), c, d);
+        } else {
+          const auto shape = ShapeLanes::of([&](BlobShapeRow row) {
+            const V at_start = set(blobs.row(F.row_of(row))[i]);
+            if constexpr (k_changing) return hn::MulAdd(set(blobs.row(F.change_of(row))[i]), slab_time_, at_start);
+            return at_start;
+          });
+          return BlobOnLine::of_ellipsoid(s, shape, c, d);
+        }
+      };
+      const auto [along, k, a] = on_line();
       // q is largest at the place nearest to the centre.
       const V off = hn::Sub(hn::Min(hn::Max(along, minus_half), half_), along);
       const V q = hn::NegMulAdd(k, hn::Mul(off, off), a);
       const auto reaches = hn::And(live, hn::Gt(q, zero));
-      const float r = std::sqrt(standing(blob_k)); // not if k_changing
-      const V own_r = k_changing ? hn::Sqrt(k) : set(r);
+      const float r = std::sqrt(standing(blob_k)); // not if k_own_r
+      const V own_r = k_own_r ? hn::Sqrt(k) : set(r);
       // Where a lane does not meet the blob, it must not make a difference whether another does: q < 0 there.
       LaneBlobs& list = active_[i % 2];
       put(list, hn::IfThenElse(reaches, a, set(-1)), hn::IfThenElseZero(reaches, hn::Mul(own_r, along)), r);
+      float* own = list.own.get() + k_own * k_width * list.count;
+      if constexpr (k_own_r) hn::Store(own_r, k_lanes, own + 2 * k_width);
       if constexpr (F.is_pure) {
         curvature = hn::Add(curvature, hn::IfThenElseZero(reaches, hn::Mul(s, k)));
         most = hn::Add(most, hn::IfThenElseZero(reaches, hn::Mul(q, q)));
       } else if constexpr (k_changing) {
         const V w = number(blob_a), v = number(blob_b);
-        float* own = list.own.get() + k_own * k_width * list.count;
-        hn::Store(own_r, k_lanes, own + 2 * k_width), hn::Store(w, k_lanes, own + 3 * k_width), hn::Store(v, k_lanes, own + 4 * k_width);
+        hn::Store(w, k_lanes, own + 3 * k_width), hn::Store(v, k_lanes, own + 4 * k_width);
         curvature = hn::Add(curvature, hn::IfThenElseZero(reaches, hn::Mul(most_bend(w, v), k)));
         const V peak = hn::Mul(hn::Mul(q, q), hn::MulAdd(v, q, w));
         most = hn::Add(most, hn::IfThenElseZero(reaches, hn::Max(peak, zero)));
@@ -144,7 +156,7 @@ private:
   static V term(const LaneBlobs& list, size_t i, V s, V f) {
     const float* own = list.own.get() + k_own * k_width * i;
     V r;
-    if constexpr (k_changing)
+    if constexpr (k_own_r)
       r = hn::Load(k_lanes, own + 2 * k_width);
     else
       r = set(list.r[i]);

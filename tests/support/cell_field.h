@@ -136,7 +136,18 @@ inline double blobs_value(const BlobList& blobs, const Vec3d& p, double u) {
       return double(blobs.row(row)[i]) + (moves ? u * double(blobs.row(blobs.form.change_of(row))[i]) : 0);
     };
     const Vec3d d = p - Vec3d(number(blob_x), number(blob_y), number(blob_z));
-    const double q = std::max(0.0, number(blob_s) - number(blob_k) * glm::dot(d, d));
+    double d2 = number(blob_k) * glm::dot(d, d);
+    if (!blobs.form.is_round) {
+      const auto entry = [&](BlobShapeRow row) {
+        const bool moves = blobs.form.moves && !is_pure;
+        return double(blobs.row(blobs.form.row_of(row))[i]) + (moves ? u * double(blobs.row(blobs.form.change_of(row))[i]) : 0);
+      };
+      const double xy = entry(shape_xy), xz = entry(shape_xz), yz = entry(shape_yz);
+      const Vec3d in_ball(entry(shape_xx) * d.x + xy * d.y + xz * d.z, xy * d.x + entry(shape_yy) * d.y + yz * d.z,
+                          xz * d.x + yz * d.y + entry(shape_zz) * d.z);
+      d2 = glm::dot(in_ball, in_ball);
+    }
+    const double q = std::max(0.0, number(blob_s) - d2);
     sum += is_pure ? q * q : q * q * (number(blob_a) + number(blob_b) * q);
   }
   return sum;

@@ -21,9 +21,25 @@ inline MovingField moving_cloud(BlobCloud start, double reach, CloudMotion moves
     if (moves == CloudMotion::some && i % 3) continue;
     Blob& b = end[i];
     b.centre += Vec3(r.direction() * r.uniform(0, reach * b.radius));
-    if (moves == CloudMotion::everything) b.radius *= float(r.uniform(0.8, 1.2)), b.weight *= float(r.uniform(0.8, 1.2));
+    if (moves == CloudMotion::everything) {
+      b.radius *= float(r.uniform(0.8, 1.2)), b.weight *= float(r.uniform(0.8, 1.2));
+      if (!is_round(b)) {
+        const Mat3d turn = glm::mat3_cast(glm::angleAxis(r.uniform(0, 0.3 * reach), r.direction()));
+        EXPECT_TRUE(set_ellipsoid(b, to_unit_ball(b).matrix() * turn));
+      }
+    }
   }
   return {field_of(start), field_of(end)};
+}
+
+/// Of a cloud with ellipsoids the matrices move linearly.
+inline Blob between(const Blob& a, const Blob& b, bool by_matrix, double u) {
+  Blob out = a;
+  out.centre = interpolate(a.centre, b.centre, u), out.radius = interpolate(a.radius, b.radius, u);
+  out.weight = interpolate(a.weight, b.weight, u);
+  const Mat3d from = to_unit_ball(a).matrix(), to = to_unit_ball(b).matrix();
+  if (by_matrix && !set_ellipsoid(out, from + (to - from) * u)) ADD_FAILURE();
+  return out;
 }
 
 /// Numbers move linearly from one to the other.
@@ -36,11 +52,11 @@ inline SampledField moving_field_at(const MovingField& field, double u) {
           interpolate(kind, end, u, kind);
           if constexpr (requires { kind.cloud; }) {
             auto cloud = std::make_shared<BlobCloud>(*kind.cloud);
+            const bool by_matrix = !std::all_of(cloud->begin(), cloud->end(), is_round);
             for (size_t j = 0; j < cloud->size(); ++j) {
               Blob& b = (*cloud)[j];
               const Blob& e = (*end.cloud)[j];
-              b.centre = interpolate(b.centre, e.centre, u), b.radius = interpolate(b.radius, e.radius, u);
-              b.weight = interpolate(b.weight, e.weight, u);
+              b = between(b, e, by_matrix, u);
             }
             kind.cloud = cloud;
           }

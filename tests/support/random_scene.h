@@ -1,6 +1,9 @@
 // Fields that are hard on a ray tracer, the same in every run.
 #pragma once
 
+#include <glm/gtc/quaternion.hpp>
+#include <gtest/gtest.h>
+
 #include "renderer/cells/cells.h"
 #include "scene/scene.h"
 #include "tests/support/random_kind.h"
@@ -77,6 +80,26 @@ inline BlobCloud negative_cloud(Falloff falloff) {
   for (int i = 0; i < 500; ++i) {
     const double weight = i % 3 ? r.uniform(0.5, 2) : -r.uniform(0.2, 3);
     cloud.push_back({random_point(r), float(r.uniform(0.1, 0.45)), float(weight), falloff});
+  }
+  return cloud;
+}
+
+/// Plates, rods and whatever is between, of either sign, turned anyhow: some meet at a grazing angle, some only hardly rise above the
+/// threshold.
+inline BlobCloud ellipsoid_cloud(Falloff falloff) {
+  Random r(4);
+  BlobCloud cloud;
+  for (int i = 0; i < 160; ++i) {
+    Blob b{random_point(r), float(r.uniform(0.1, 0.3)), float(i % 5 ? r.uniform(0.5, 2) : 1 + r.log_uniform(1e-4, 0.1)), falloff};
+    if (i % 7 == 3) b.weight *= -1;
+    const Mat3d turn = glm::mat3_cast(glm::angleAxis(r.uniform(0, 6), r.direction()));
+    const Vec3d axes(r.log_uniform(0.1, 2), r.log_uniform(0.1, 2), r.log_uniform(0.02, 1));
+    const Mat3d to_axes = glm::transpose(turn);
+    Mat3d m;
+    for (int column = 0; column < 3; ++column) m[column] = to_axes[column] / (axes * double(b.radius));
+    const bool is_ellipsoid = i % 9 != 0; // some are round
+    if (is_ellipsoid && !set_ellipsoid(b, m)) ADD_FAILURE();
+    cloud.push_back(b);
   }
   return cloud;
 }

@@ -19,6 +19,35 @@ inline reference::Leaf reference_of(const Blob& b) {
   return {
       .a = reference_of(b.centre), .b = reference_of(b.centre), .radius = b.radius, .weight = b.weight, .falloff = reference_of(b.falloff)};
 }
+
+/// u = m (p - centre).
+inline reference::Affine reference_map(const SymmetricMat3& m, const Vec3d& centre) {
+  const auto row = [](double x, double y, double z) { return reference::Vec{x, y, z}; };
+  reference::Affine map;
+  map.rows = {row(m.xx, m.xy, m.xz), row(m.xy, m.yy, m.yz), row(m.xz, m.yz, m.zz)};
+  map.offset = map.direction(reference_of(-centre));
+  return map;
+}
+
+/// The sum of a cloud: what is no ball is one where its matrix takes it.
+inline reference::Node reference_of(const BlobCloud& cloud) {
+  reference::Node sum, balls;
+  for (const Blob& b : cloud) {
+    if (is_round(b)) {
+      balls.leaves.push_back(reference_of(b));
+      continue;
+    }
+    auto ball = std::make_shared<reference::Node>(), warp = std::make_shared<reference::Node>();
+    ball->leaves = {{.a = {}, .b = {}, .radius = 1, .weight = b.weight, .falloff = reference_of(b.falloff)}};
+    warp->kind = reference::Node::Kind::warp, warp->children = {ball};
+    warp->child_from_parent = reference_map(to_unit_ball(b), Vec3d(b.centre));
+    sum.children.push_back(warp);
+  }
+  if (sum.children.empty()) return balls;
+  sum.kind = reference::Node::Kind::blend;
+  if (!balls.leaves.empty()) sum.children.push_back(std::make_shared<reference::Node>(balls));
+  return sum;
+}
 inline reference::Leaf reference_of(const Segment<SampledMode>& k) {
   return {.a = reference_of(k.from), .b = reference_of(k.to), .radius = k.radius, .weight = k.weight, .falloff = reference_of(k.falloff)};
 }
@@ -310,7 +339,7 @@ inline reference::NodePtr reference_of(const SampledField& field, unsigned node,
         if constexpr (BlobSource<S>) {
           BlobCloud cloud;
           k.append_blobs(cloud);
-          for (const Blob& b : cloud) out->leaves.push_back(reference_of(b));
+          *out = reference_of(cloud);
         } else if constexpr (Skeleton<S>) {
           out->leaves = {reference_of(k)};
         } else if constexpr (ComplexPrimitive<S>) {
