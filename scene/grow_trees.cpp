@@ -35,9 +35,30 @@ std::map<const FieldNode*, std::vector<std::string>> shapes_of(const std::vector
   return shapes;
 }
 
+/// Says where a progress is farthest outside [0, 1] in the frames of a scene.
+void warn_of_overshoot(const Animated<float>& progress, const Frames& frames, const SourcePosition& where, Diagnostics& diagnostics) {
+  constexpr int k_most_looks = 4000;
+  std::vector<double> looks = progress.frames();
+  const int count = progress.is_constant() ? 1 : std::min(k_most_looks, 1 + 4 * (frames.last - frames.first));
+  for (int i = 0; i < count; ++i) looks.push_back(frames.first + (frames.last - frames.first) * double(i) / std::max(count - 1, 1));
+  double farthest = 1e-4, at = 0; // a rounding is none
+  float there = 0;
+  for (const double frame : looks) {
+    const float s = progress.at(frame);
+    const double outside = double(std::max(-s, s - 1));
+    if (outside > farthest) farthest = outside, at = frame, there = s;
+  }
+  if (there != 0)
+    diagnostics.warning(where,
+                        fmt::format("progress leaves [0, 1]: {:.4g} at frame {:.4g}; places and directions overshoot, all else stays as "
+                                    "it is at that end",
+                                    there, at));
+}
+
 class Grower {
 public:
-  Grower(const std::vector<ReadTreeMaker>& makers, ProblemList& problems) : problems_(problems) {
+  Grower(const std::vector<ReadTreeMaker>& makers, const Frames& frames, ProblemList& problems, Diagnostics& diagnostics)
+      : frames_(frames), problems_(problems), diagnostics_(diagnostics) {
     for (const ReadTreeMaker& maker : makers) makers_.emplace(maker.node.get(), &maker);
   }
 
@@ -82,6 +103,9 @@ private:
     FieldNode& node = *maker.node;
     try {
       const auto [root, match] = generic_tree(maker.kind, place, node.where);
+      warn_of_overshoot(maker.kind.progress, frames_, node.where, diagnostics_);
+      for (const auto& pair : maker.kind.pairs)
+        if (pair.progress) warn_of_overshoot(*pair.progress, frames_, pair.where, diagnostics_);
       node.kind = root->kind;
       if (root->material) node.material = root->material;
       grown_.push_back({maker.node, {}, match});
@@ -92,7 +116,9 @@ private:
     }
   }
 
+  const Frames frames_;
   ProblemList& problems_;
+  Diagnostics& diagnostics_;
   std::map<const FieldNode*, const ReadTreeMaker*> makers_;
   std::map<const FieldNode*, int> depths_;
   std::vector<GrownTree> grown_;
@@ -101,10 +127,10 @@ private:
 
 } // namespace
 
-std::vector<GrownTree> grow_trees(const std::vector<ReadTreeMaker>& makers, Scene& scene, ProblemList& problems) {
+std::vector<GrownTree> grow_trees(const std::vector<ReadTreeMaker>& makers, Scene& scene, ProblemList& problems, Diagnostics& diagnostics) {
   if (makers.empty()) return {};
   const auto shapes = shapes_of(makers, scene);
-  Grower grower(makers, problems);
+  Grower grower(makers, scene.frames, problems, diagnostics);
   for (const Shape& shape : scene.shapes)
     for (const FieldPtr& tree : {shape.field, shape.texture})
       if (tree) grower.grow(*tree, {shape.threshold, false, shape.surface});

@@ -82,7 +82,7 @@ Scene read_scene_and_trees(const std::string& path, const ReadOptions& options, 
   check_axes(reader.nodes(), document, problems);
   load_assets(reader, scene, options.use_cache, problems, diagnostics);
   if (problems.is_empty() && !reader.tree_makers().empty()) {
-    trees = grow_trees(reader.tree_makers(), scene, problems);
+    trees = grow_trees(reader.tree_makers(), scene, problems, diagnostics);
     check_distances(scene, problems);
   }
   if (problems.is_empty()) check_size(scene, problems);

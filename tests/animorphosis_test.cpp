@@ -70,6 +70,48 @@ TEST(Animorphosis, OfAnyTwoSkeletonsIsContinuous) {
     for (int j = i % 2; j < RandomTree::k_leaf_kinds; j += 3) expect_continuous(folder, random.leaf(i), random.leaf(j), values);
 }
 
+// It has radii, and so a form of its own.
+TEST(Animorphosis, OfEllipsoidsIsExactAndContinuous) {
+  const SceneFolder folder;
+  const Values values(150);
+  RandomTree random(9, false);
+  const std::string ellipsoid =
+      R"({"kind":"ellipsoid","centre":[0.2,0.1,0],"radii":[1.2,0.5,0.8],"axis":[1,2,0],"weight":1.7,"falloff":"quartic"})";
+  int changes = 0;
+  for (int i = 0; i < RandomTree::k_leaf_kinds; ++i) {
+    const std::string other = random.leaf(i);
+    changes += expect_exact_ends(folder, ellipsoid, other, 1, values) > 0.1;
+    expect_continuous(folder, i % 2 ? ellipsoid : other, i % 2 ? other : ellipsoid, values);
+  }
+  EXPECT_GT(changes, RandomTree::k_leaf_kinds * 3 / 4);
+}
+
+// Places and directions go on beyond the ends, sizes and weights do not.
+TEST(Animorphosis, MayOvershoot) {
+  const SceneFolder folder;
+  const auto ball = [](double x, double radius) {
+    return fmt::format(
+        R"({{"kind":"translate","by":[{},0,0],"child":{{"kind":"point","centre":[0,0,0],"radius":{},"falloff":"quartic"}}}})", x, radius);
+  };
+  const std::string progress = R"({"keys":[[1,0],[11,1.25],[21,1],[31,-0.1]]})";
+  const std::string text = scene_with(morph_of(ball(-1, 0.5), ball(3, 0.8), progress));
+  const Scene scene = folder.read(text);
+  for (const auto& [frame, x, radius] :
+       {std::tuple(1.0, -1.0, 0.5), std::tuple(11.0, 4.0, 0.8), std::tuple(21.0, 3.0, 0.8), std::tuple(31.0, -1.4, 0.5)}) {
+    const SampledShape shape = sample(scene, frame).shapes[0];
+    const FieldProgram program = compile(shape.field, shape.threshold);
+    ASSERT_EQ(program.blobs.size(), 1u);
+    EXPECT_NEAR(program.blobs.x[0], x, 1e-5) << frame;
+    EXPECT_NEAR(program.blobs.radius[0], radius, 1e-5) << frame;
+  }
+  Diagnostics diagnostics;
+  const Scene again = read_scene(folder.path("scene.json"), {}, diagnostics);
+  ASSERT_EQ(diagnostics.warnings().size(), 1u);
+  EXPECT_NE(diagnostics.warnings()[0].message.find("progress leaves [0, 1]: 1.25 at frame 11"), std::string::npos)
+      << diagnostics.warnings()[0].message;
+  EXPECT_NE(folder.errors(scene_with(morph_of(ball(0, 1), ball(1, 1), "2.5"))).find("progress must be >= -1 and <= 2"), std::string::npos);
+}
+
 TEST(Animorphosis, OfAnyTwoTreesIsContinuous) {
   const SceneFolder folder;
   const Values values(150);
@@ -101,7 +143,7 @@ TEST(SkeletonGraph, HasAPathBetweenAnyTwoSkeletons) {
   FieldFolderKinds::for_each([&]<template <class> class From>() {
     FieldFolderKinds::for_each([&]<template <class> class To>() { visit_pairs.template operator()<From, To>(); });
   });
-  EXPECT_EQ(paths, 16 * 16);
+  EXPECT_EQ(paths, 17 * 17);
   EXPECT_NE(skeleton_graph_dot().find("point -> segment"), std::string::npos);
 }
 
@@ -270,7 +312,7 @@ TEST(Animorphosis, RefusesWhatCannotCorrespond) {
   EXPECT_EQ(folder.errors(scene_with(
                 morph_of(from, R"({"kind":"point","centre":[0,0,0],"radius":1})", "0.5", R"(,"pairs":[{"from":"head","to":"x"}])"))),
             "scene.json:3:195: pairs: in `to` no node is called \"x\", as none has a name");
-  EXPECT_EQ(folder.errors(scene_with(morph_of(from, to, "1.5"))).substr(0, 12), "scene.json:4");
+  EXPECT_EQ(folder.errors(scene_with(morph_of(from, to, "2.5"))).substr(0, 12), "scene.json:4");
 }
 
 } // namespace

@@ -21,8 +21,14 @@ void test_blobs(const BlobCloud& cloud, Test&& test, Random& r) {
   const auto sum = [&]<class Real>(const Point3<Real>& p) {
     Real f(0.0);
     for (const Blob& b : cloud) {
-      const Real d2 = square(p.x - Real(b.centre.x)) + square(p.y - Real(b.centre.y)) + square(p.z - Real(b.centre.z));
-      f = f + double(b.weight) * falloff(b.falloff, d2 * (1 / square(double(b.radius))));
+      const Real x = p.x - Real(b.centre.x), y = p.y - Real(b.centre.y), z = p.z - Real(b.centre.z);
+      const Mat3d m = to_unit_ball(b).matrix();
+      Real u2 = (square(x) + square(y) + square(z)) * (1 / square(double(b.radius)));
+      if (!is_round(b)) {
+        u2 = Real(0.0);
+        for (int i = 0; i < 3; ++i) u2 = u2 + square(x * m[0][i] + y * m[1][i] + z * m[2][i]);
+      }
+      f = f + double(b.weight) * falloff(b.falloff, u2);
     }
     return f;
   };

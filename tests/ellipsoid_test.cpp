@@ -95,7 +95,7 @@ protected:
     }
     return "";
   }
-  std::string path_ = testing::TempDir() + "/kelpie_ellipsoids.ply";
+  std::string path_ = testing::TempDir() + "/kelpie_" + testing::UnitTest::GetInstance()->current_test_info()->name() + ".ply";
 };
 
 TEST_F(CloudFile, KeepsEllipsoids) {

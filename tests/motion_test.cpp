@@ -33,6 +33,21 @@ TEST(MovingTracer, Ellipsoids) {
       }
 }
 
+TEST(MovingTracer, EllipsoidsInTrees) {
+  for (const CloudMotion moves : {CloudMotion::centres, CloudMotion::everything}) {
+    MovingField field = moving_cloud(ellipsoid_cloud(Falloff::quartic), 0.5, moves);
+    for (SampledField* of : {&field.start, &field.end}) {
+      Segment<SampledMode> segment;
+      segment.from = Vec3(-1), segment.to = Vec3(1), segment.radius = 0.3f, segment.weight = 2;
+      Difference<SampledMode> cut;
+      cut.children = {unsigned(of->nodes.size() - 1), add(*of, segment)};
+      add(*of, cut);
+    }
+    const auto node_at = [&](double time) { return reference_of(moving_field_at(field, time)); };
+    expect_right(judge_moving_rays(field, {1, 1}, 400, {}, node_at));
+  }
+}
+
 TEST(MovingTracer, TheThresholdMayMove) {
   const BlobCloud cloud = negative_cloud(Falloff::quartic);
   expect_right(judge_moving_rays({field_of(cloud), field_of(cloud)}, {0.8f, 1.2f}, k_rays));

@@ -27,7 +27,6 @@ TEST(Tracer, Ellipsoids) {
   }
 }
 
-// Where other things are beside them they are solved as code.
 TEST(Tracer, EllipsoidsInTrees) {
   SampledField field = field_of(ellipsoid_cloud(Falloff::quartic));
   Segment<SampledMode> segment;

@@ -31,7 +31,7 @@ several pairs: then the node is divided, and each part goes its own way.)";
     return std::tuple{
         parameter("from", &NodePair::from, "a node of `from`").required(),
         parameter("to", &NodePair::to, "a node of `to`").required(),
-        parameter("progress", &NodePair::progress, "of the pair and all below it, instead of that of the whole").at_least(0).at_most(1),
+        parameter("progress", &NodePair::progress, "of the pair and all below it, instead of that of the whole").at_least(-1).at_most(2),
     };
   }
 };
@@ -52,7 +52,8 @@ a cone), or else through a special case of both (a cylinder, a segment, a box). 
 neighbour, or back into it. A blend becomes a union as a hyper-blend whose n grows; warps start from where they do nothing. What
 cannot be matched shrinks away while the other grows. Materials of the same kind mix their numbers, so veins stay veins. Of different
 kinds they make a `transition`: veins become rings, or one spreads through the other; if both are plain, they fade. Both trees have
-the threshold of the shape that they stand in. Source: Barbier, Galin, Akkouche, animorphosis; methods.md section 2.)";
+the threshold of the shape that they stand in. Where `progress` leaves [0, 1] (a curve that swings in) places and directions go beyond
+the ends, and all else stays as it is there. Source: Barbier, Galin, Akkouche, animorphosis; methods.md section 2.)";
 
   typename Mode::Child from{}, to{};
   Value<Mode, float> progress{0.f};
@@ -64,7 +65,7 @@ the threshold of the shape that they stand in. Source: Barbier, Galin, Akkouche,
     return std::tuple{
         parameter("from", &A::from, "the field at the beginning").required(),
         parameter("to", &A::to, "the field at the end").required(),
-        parameter("progress", &A::progress, "how far it has come").at_least(0).at_most(1).required(),
+        parameter("progress", &A::progress, "how far it has come: from 0 to 1, or a little beyond").at_least(-1).at_most(2).required(),
         parameter("pairs", &A::pairs, "nodes that correspond, whatever their places"),
         parameter("materials", &A::materials,
                   "how a material becomes one of another kind. grow: by a `transition`; dissolve: all of it fades"),

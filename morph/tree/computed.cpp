@@ -6,8 +6,8 @@ namespace kelpie {
 
 Animated<Vec3> turned(const Animated<Vec3>& a, const Animated<Vec3>& b, const Animated<float>& s) {
   const auto turn = [](const Vec3& x, const Vec3& y, float t) {
-    if (t <= 0) return x;
-    if (t >= 1) return y;
+    if (t == 0) return x;
+    if (t == 1) return y;
     const Vec3d from = glm::normalize(Vec3d(x)), to = glm::normalize(Vec3d(y));
     const double cosine = std::clamp(glm::dot(from, to), -1.0, 1.0), angle = std::acos(cosine) * double(t);
     Vec3d aside = to - cosine * from;

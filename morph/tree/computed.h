@@ -82,6 +82,15 @@ template <class T>
 Animated<T> mixed(const Animated<T>& a, const Animated<T>& b, const Animated<float>& s) {
   return computed<T>([](const T& x, const T& y, float t) { return t <= 0 ? x : t >= 1 ? y : x * (1 - t) + y * t; }, a, b, s);
 }
+/// The same, but goes on beyond both ends where s leaves [0, 1].
+template <class T>
+Animated<T> overshooting(const Animated<T>& a, const Animated<T>& b, const Animated<float>& s) {
+  return computed<T>([](const T& x, const T& y, float t) { return t == 0 ? x : t == 1 ? y : x * (1 - t) + y * t; }, a, b, s);
+}
+/// Held at 0 and 1 where s leaves [0, 1].
+inline Animated<float> held(const Animated<float>& s) {
+  return computed<float>([](float t) { return std::clamp(t, 0.f, 1.f); }, s);
+}
 template <class T>
 Animated<T> middle(const Animated<T>& a, const Animated<T>& b) {
   return mixed<T>(a, b, 0.5f);
@@ -92,8 +101,8 @@ inline Animated<float> rest_of(const Animated<float>& s) {
   return computed<float>([](float t) { return 1 - t; }, s);
 }
 
-/// From one direction to another about the axis perpendicular to both; their lengths do not matter, nor which axis it is if they are
-/// opposite.
+/// From one direction to another about the axis perpendicular to both, and beyond where s leaves [0, 1]; their lengths do not matter, nor
+/// which axis it is if they are opposite.
 Animated<Vec3> turned(const Animated<Vec3>& a, const Animated<Vec3>& b, const Animated<float>& s);
 
 } // namespace kelpie

@@ -26,8 +26,10 @@ constexpr size_t k_most_pairs = 500;
 
 /// How far a part has come, and which of the pairs says so: 0 is the whole, i is pair i - 1. Of the same number the progress is the same.
 struct Progress {
-  Animated<float> s;
+  Animated<float> s; ///< it may leave [0, 1]: places and directions overshoot then…
   size_t of_pair = 0;
+
+  Animated<float> held() const { return kelpie::held(s); } ///< …and this is for all else
 };
 
 FieldPtr node_of(AnimatedKind kind, const FieldNode& like) {
@@ -69,7 +71,7 @@ private:
                    : is_warp(*a) || is_warp(*b) ? warps(a, b, progress)
                                                 : operators(a, b, progress);
     const NodeFate fate = out ? NodeFate::becomes : NodeFate::exchanged;
-    if (!out) out = exchange(a, b, progress.s);
+    if (!out) out = exchange(a, b, progress.held());
     log_.close(fate, *out);
     return out;
   }
@@ -87,7 +89,7 @@ private:
     if (a.material == b.material) return a.material;
     const MaterialPtr &from = a.material ? a.material : material_, &to = b.material ? b.material : material_;
     MaterialPtr& mixed = materials_[{from.get(), to.get(), progress.of_pair}];
-    if (!mixed) mixed = mixed_material(from, to, progress.s, kind_.materials, frame_);
+    if (!mixed) mixed = mixed_material(from, to, progress.held(), kind_.materials, frame_);
     return mixed;
   }
 
@@ -234,7 +236,7 @@ private:
   }
 
   FieldPtr operators(const FieldPtr& a, const FieldPtr& b, const Progress& progress) {
-    std::optional<Common> both = common(a, b, progress.s);
+    std::optional<Common> both = common(a, b, progress.held());
     if (!both || std::holds_alternative<Metamorphosis<A>>(both->kind)) return nullptr;
     // Nothing is all of space, and a smooth Boolean with one operand more, even an empty one, is another field.
     const bool needs_equals =
@@ -334,10 +336,10 @@ private:
     }
     for (size_t i = 0; i < from.size(); ++i)
       if (!ways(&PartLink::from, i))
-        children.push_back(loose(NodeFate::shrinks, both.from[i], anchor_of(from[i], from, to, links, &PartLink::from), progress.s));
+        children.push_back(loose(NodeFate::shrinks, both.from[i], anchor_of(from[i], from, to, links, &PartLink::from), progress.held()));
     for (size_t j = 0; j < to.size(); ++j)
       if (!ways(&PartLink::to, j))
-        children.push_back(loose(NodeFate::grows, both.to[j], anchor_of(to[j], to, from, links, &PartLink::to), rest_of(progress.s)));
+        children.push_back(loose(NodeFate::grows, both.to[j], anchor_of(to[j], to, from, links, &PartLink::to), rest_of(progress.held())));
   }
 
   /// Whether the field of a tree is multiplied when the weights of its leaves are: nothing in it looks at the threshold.

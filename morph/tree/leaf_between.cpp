@@ -43,11 +43,11 @@ AnimatedKind with_falloff(AnimatedKind kind, Falloff falloff) {
 /// The one or two skeletons that go along a path; of two the one has weight before the middle, the other after it.
 std::vector<AnimatedKind> along(const SkeletonPath& path, const Animated<float>& s, double frame) {
   const auto stage = [&](size_t i, const Animated<float>& t) { return *mixed_kind(path.stages[i].from, path.stages[i].to, t); };
-  if (path.stages.size() == 1) return {stage(0, s)};
-  const auto first = computed<float>([](float t) { return std::min(1.f, 2 * t); }, s);
-  const auto second = computed<float>([](float t) { return std::max(0.f, 2 * t - 1); }, s);
+  if (path.stages.size() == 1) return {stage(0, s)}; // the only one that overshoots
+  const auto first = computed<float>([](float t) { return std::clamp(2 * t, 0.f, 1.f); }, s);
+  const auto second = computed<float>([](float t) { return std::clamp(2 * t - 1, 0.f, 1.f); }, s);
   const auto is_first = computed<float>([](float t) { return t < 0.5f ? 1.f : 0.f; }, s);
-  const auto factor = computed<float>([curve = factor_for_volume(path, frame)](float t) { return curve.at(t); }, s);
+  const auto factor = computed<float>([curve = factor_for_volume(path, frame)](float t) { return curve.at(t); }, held(s));
   return {weighted(with_radius(stage(0, first), factor), is_first), weighted(with_radius(stage(1, second), factor), rest_of(is_first))};
 }
 
@@ -73,8 +73,8 @@ FieldPtr leaf_between(const FieldNode& a, const FieldNode& b, const Animated<flo
     if (from == to) {
       add(kind);
     } else { // the same solid with either falloff: their sum goes from the one to the other
-      add(weighted(with_falloff(kind, *from), rest_of(s)));
-      add(weighted(with_falloff(kind, *to), s));
+      add(weighted(with_falloff(kind, *from), rest_of(held(s))));
+      add(weighted(with_falloff(kind, *to), held(s)));
     }
   }
   if (leaves.size() == 1) return leaves.front();

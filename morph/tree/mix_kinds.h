@@ -1,6 +1,7 @@
 // Two nodes of one kind, mixed.
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include "base/time_map.h"
@@ -23,6 +24,11 @@ bool have_equal_signs(const T&, const T&) {
   return true;
 }
 
+/// Whether any number will do.
+constexpr bool is_unlimited(const Range& r) {
+  return r.lower == -std::numeric_limits<double>::infinity() && r.upper == std::numeric_limits<double>::infinity() && !r.without_zero;
+}
+
 /// Whether lists are as long in both, and what may be left out is there in both or in none.
 template <class Kind>
 bool have_one_form(const Kind& a, const Kind& b) {
@@ -40,22 +46,26 @@ bool have_one_form(const Kind& a, const Kind& b) {
 }
 } // namespace detail
 
-/// Mixes every number of a record that may move into those of `a`: a at s = 0, b at s = 1; directions turn. Children and materials stay
-/// those of a, and so does its falloff. False where the two differ in anything else: a file, the length of a list, how a
-/// curve is made, the sign of what is never 0.
+/// Mixes every number of a record that may move into those of `a`: a at s = 0, b at s = 1; directions turn. Where s leaves [0, 1]
+/// directions and what may be any number go on beyond the ends; all else is held. Children and materials stay those of a, and so does its
+/// falloff. False where the two differ in anything else: a file, the length of a list, how a curve is made, the sign of what is never 0.
 template <class Kind>
 bool mix_numbers(Kind& a, const Kind& b, const Animated<float>& s) {
   if (!detail::have_one_form(a, b)) return false;
   bool is_good = true;
   const auto one = [&]<class T>(const ParameterRules& rules, T& x, const T& y) {
     if (rules.range.without_zero) is_good &= detail::have_equal_signs(x, y); // else it is 0 on the way
-    if constexpr (std::is_same_v<T, Animated<Vec3>>)
-      x = rules.is_nonzero ? turned(x, y, s) : mixed<Vec3>(x, y, s);
-    else if constexpr (IsAnimated<T>)
-      x = mixed<typename AnimatedTrait<T>::Value>(x, y, s);
-    else if constexpr (std::is_same_v<T, PartReference>)
+    if constexpr (IsAnimated<T>) {
+      using Value = typename AnimatedTrait<T>::Value;
+      const auto mix = [&] { return detail::is_unlimited(rules.range) ? overshooting<Value>(x, y, s) : mixed<Value>(x, y, s); };
+      if constexpr (std::is_same_v<Value, Vec3>)
+        x = rules.is_nonzero ? turned(x, y, s) : mix();
+      else
+        x = mix();
+    }
+    if constexpr (std::is_same_v<T, PartReference>)
       is_good = false; // nobody mixes instances
-    else if constexpr (!detail::k_is_edge<T> && !std::is_same_v<T, Falloff>)
+    else if constexpr (!IsAnimated<T> && !detail::k_is_edge<T> && !std::is_same_v<T, Falloff>)
       is_good &= x == y;
   };
   for_each_value(one, a, b);

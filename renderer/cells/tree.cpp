@@ -171,13 +171,18 @@ private:
   }
 
   bool add_blobs(const Instruction& step) {
-    if (step.count > 0 && !program_.has_round_blobs()) return false;
     for (const uint32_t i : code_.blobs.subspan(step.first, step.count)) {
       const std::optional<BlobExtent> extent = widening_ ? widening_->of_blob(i, step) : BlobExtent{program_.blob(i)};
       if (!extent) return false;
       const BlobNumbers& blob = extent->numbers;
       const Vec3d at(blob.x, blob.y, blob.z);
-      if (!add(step.space, {at, at, 0, 0}, blob.k, blob.a, blob.b, extent->nearer)) return false;
+      if (program_.has_round_blobs()) {
+        if (!add(step.space, {}, {at, at, 0, 0}, blob.k, blob.a, blob.b, extent->nearer)) return false;
+        continue;
+      }
+      const Mat3d to_ball = blob.shape.matrix();
+      const double nearer = extent->nearer * lipschitz(to_ball);
+      if (!add(step.space, {to_ball, -(to_ball * at)}, {Vec3d(0), Vec3d(0), 0, 0}, 1, blob.a, blob.b, nearer)) return false;
     }
     return true;
   }
@@ -210,7 +215,7 @@ private:
         const std::optional<Extent> extent = extent_of(step, kind);
         if (!extent) return false;
         const FalloffPolynomial f = polynomial(kind.falloff);
-        return add(step.space, solid, 1 / square(extent->radius), extent->weight * f.a, extent->weight * f.b, extent->nearer);
+        return add(step.space, {}, solid, 1 / square(extent->radius), extent->weight * f.a, extent->weight * f.b, extent->nearer);
       }
       return false;
     });
@@ -307,10 +312,13 @@ private:
     return true;
   }
 
-  bool add(uint32_t space_index, const ConeSphereSolid& solid, double k, double a, double b, double nearer) {
+  /// Adds a solid that lies where a map takes its space.
+  bool add(uint32_t space_index, const Affine& solid_from_space, const ConeSphereSolid& solid, double k, double a, double b,
+           double nearer) {
     TreeBase base;
     Affine local_from_base;
     if (!bases_.find(space_index, base, local_from_base)) return false;
+    local_from_base = solid_from_space * local_from_base;
     const Vec3d axis = solid.to - solid.from;
     const AxisFrame frame{solid.from, axis};
     const ConeSphereProfile profile{glm::length(axis), solid.from_radius, solid.to_radius};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "renderer/program/motion.h"
@@ -40,8 +41,15 @@ public:
     const bool is_same = s.a == e.a && s.b == e.b; // its polynomial may change its sign then, but not by the time
     if (!moved || (!is_same && !(a && b && *a * *b >= 0))) return {};
     const Vec3d from(s.x, s.y, s.z), to(e.x, e.y, e.z), middle = 0.5 * (from + to);
-    const BlobNumbers wide{static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z),
-                           std::min(s.k, e.k),           is_same ? s.a : *a,           is_same ? s.b : *b};
+    BlobNumbers wide{static_cast<float>(middle.x),
+                     static_cast<float>(middle.y),
+                     static_cast<float>(middle.z),
+                     std::min(s.k, e.k),
+                     is_same ? s.a : *a,
+                     is_same ? s.b : *b,
+                     s.shape};
+    const float in_ball = std::sqrt(wide.k); // an ellipsoid that turns stays in the ball that it touches
+    if (s.shape != e.shape) wide.shape = {in_ball, in_ball, in_ball, 0, 0, 0};
     return BlobExtent{wide, safe(*moved + 0.5 * glm::distance(from, to))};
   }
 

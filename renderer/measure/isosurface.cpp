@@ -17,7 +17,7 @@ using Place = Lattice::Place;
 /// The cells [first, last) of a lattice, with what matters there.
 struct Block {
   Place first{}, last{};
-  Code code;
+  Code now, before, after; ///< of the programs of a FieldMoment
 
   uint32_t size(size_t axis) const { return last[axis] - first[axis]; }
 };
@@ -33,24 +33,29 @@ void for_each_place(const Place& first, const Place& last, Visit&& visit) {
 /// Finds the blocks through which the surface may pass, and marks the nodes of those that are full.
 class BlockFinder {
 public:
-  BlockFinder(const FieldProgram& program, const Lattice& lattice, std::vector<uint8_t>& inside)
-      : program_(program), lattice_(lattice), inside_(inside) {}
+  BlockFinder(const FieldMoment& moment, const Lattice& lattice, std::vector<uint8_t>& inside)
+      : moment_(moment), lattice_(lattice), inside_(inside) {}
 
   std::vector<Block> run() {
-    divide({{0, 0, 0}, lattice_.cells, {}}, program_.code);
+    divide({{0, 0, 0}, lattice_.cells, moment_.now.code, moment_.before.code, moment_.after.code});
     return std::move(blocks_);
   }
 
 private:
-  void divide(Block block, const Code& parent) {
+  /// A block with the codes of what it is a part of.
+  void divide(Block block) {
     Interval field;
-    block.code = code_in(program_, parent, {lattice_.at(block.first), lattice_.at(block.last)}, field);
-    if (is_empty(field, program_.threshold)) return;
-    if (is_full(field, program_.threshold)) {
+    const Box3d box{lattice_.at(block.first), lattice_.at(block.last)};
+    block.now = code_in(moment_.now, block.now, box, field);
+    if (is_empty(field, moment_.now.threshold)) return;
+    if (is_full(field, moment_.now.threshold)) {
       const Place end{block.last[0] + 1, block.last[1] + 1, block.last[2] + 1};
       for_each_place(block.first, end, [&](const Place& p) { inside_[lattice_.index(p)] = 1; });
       return;
     }
+    Interval unused;
+    block.before = code_in(moment_.before, block.before, box, unused);
+    block.after = code_in(moment_.after, block.after, box, unused);
     size_t longest = 0;
     for (size_t axis = 1; axis < 3; ++axis)
       if (block.size(axis) > block.size(longest)) longest = axis;
@@ -59,13 +64,13 @@ private:
       return;
     }
     const uint32_t middle = block.first[longest] + block.size(longest) / 2;
-    Block lower{block.first, block.last, {}}, upper{block.first, block.last, {}};
+    Block lower = block, upper = std::move(block);
     lower.last[longest] = upper.first[longest] = middle;
-    divide(std::move(lower), block.code);
-    divide(std::move(upper), block.code);
+    divide(std::move(lower));
+    divide(std::move(upper));
   }
 
-  const FieldProgram& program_;
+  const FieldMoment& moment_;
   const Lattice& lattice_;
   std::vector<uint8_t>& inside_;
   std::vector<Block> blocks_;
@@ -92,12 +97,8 @@ public:
 
   void run(const FieldMoment& moment, const Lattice& lattice, const Block& block, std::vector<uint8_t>& inside) {
     moment_ = &moment, lattice_ = &lattice, block_ = &block;
-    Interval unused;
-    const Box3d box{lattice.at(block.first), lattice.at(block.last)};
-    before_ = code_in(moment.before, moment.before.code, box, unused);
-    after_ = code_in(moment.after, moment.after.code, box, unused);
     const Place end{block.last[0] + 1, block.last[1] + 1, block.last[2] + 1};
-    for_each_place(block.first, end, [&](const Place& p) { field_.push_back(excess(moment.now, block.code, lattice.at(p))); });
+    for_each_place(block.first, end, [&](const Place& p) { field_.push_back(excess(moment.now, block.now, lattice.at(p))); });
     for_each_place(block.first, block.last, [&](const Place& p) {
       inside[lattice.index(p)] = field_[local(p)] > 0; // the nodes beyond are those of the next block
       for (const auto& tetrahedron : k_tetrahedra) cut(p, tetrahedron);
@@ -164,21 +165,20 @@ private:
   Vec3d crossing_between(const Vec3d& a, double at_a, const Vec3d& b, double at_b) const {
     constexpr double k_close = 1e-6; // of the threshold
     const FieldProgram& program = moment_->now;
-    const auto excess_at = [&](double part) { return excess(program, block_->code, a + part * (b - a)); };
+    const auto excess_at = [&](double part) { return excess(program, block_->now, a + part * (b - a)); };
     return a + crossing(at_a, at_b, k_close * program.threshold, excess_at) * (b - a);
   }
 
   /// -F_t / |grad F| of F, the field minus the threshold.
   float speed(const Vec3d& p) const {
-    const double slope = glm::length(gradient(moment_->now, CodeView(block_->code), p));
-    const double change = excess(moment_->after, after_, p) - excess(moment_->before, before_, p);
+    const double slope = glm::length(gradient(moment_->now, CodeView(block_->now), p));
+    const double change = excess(moment_->after, block_->after, p) - excess(moment_->before, block_->before, p);
     return slope > 0 ? static_cast<float>(std::abs(change) / moment_->span / slope) : 0.f;
   }
 
   const FieldMoment* moment_ = nullptr;
   const Lattice* lattice_ = nullptr;
   const Block* block_ = nullptr;
-  Code before_, after_;
   std::vector<double> field_; ///< minus the threshold, at all nodes of the block
   std::unordered_map<uint64_t, uint32_t> known_;
 };
@@ -204,7 +204,7 @@ Isosurface joined(const std::vector<BlockSurface>& blocks, std::vector<uint8_t> 
 
 Isosurface extract_surface(const FieldMoment& moment, const Lattice& lattice) {
   std::vector<uint8_t> inside(lattice.node_count());
-  const std::vector<Block> blocks = BlockFinder(moment.now, lattice, inside).run();
+  const std::vector<Block> blocks = BlockFinder(moment, lattice, inside).run();
   std::vector<BlockSurface> pieces(blocks.size());
   parallel_for(size_t(0), blocks.size(), [&](size_t i) { pieces[i].run(moment, lattice, blocks[i], inside); });
   return joined(pieces, std::move(inside));

@@ -27,6 +27,14 @@ Kind<SampledMode> random_leaf(Random& r) {
   return k;
 }
 
+/// As an ellipsoid, which has no radius of its own.
+inline Ellipsoid<SampledMode> stretched(const Point<SampledMode>& p) {
+  Ellipsoid<SampledMode> e;
+  e.centre = p.centre, e.weight = p.weight, e.falloff = p.falloff;
+  e.radii = p.radius * Vec3(1, 0.6f, 0.35f), e.axis = Vec3(1, 2, -1) + p.centre;
+  return e;
+}
+
 /// Tubes that need no cut: the reference cuts none.
 inline void narrow(Axial<SampledMode>& k) {
   for (auto& axis : k.axes) axis.radius = std::max(0.01f, 0.99f * float(AxisTube(k.shape(axis)).cut_radius()));
@@ -56,7 +64,10 @@ public:
       if (mixes == Metamorphoses::left_out && std::is_same_v<K, Metamorphosis<SampledMode>>) return;
       if constexpr (requires(K k) { k.radius = 1.f, k.weight = 1.f; })
         leaves_.push_back([](Random& r, SampledField& field) {
-          const unsigned leaf = add(field, random_leaf<Kind>(r));
+          K kind = random_leaf<Kind>(r);
+          if constexpr (std::is_same_v<K, Point<SampledMode>>)
+            if (field.nodes.size() % 2) return add(field, stretched(kind));
+          const unsigned leaf = add(field, std::move(kind));
           if constexpr (requires { K::k_is_unbounded; }) { // it cuts something that has an end
             Intersection<SampledMode> cut;
             cut.children = {leaf, add(field, random_leaf<SdfBox>(r))};
