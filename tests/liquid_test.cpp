@@ -12,6 +12,7 @@
 #include "morph/liquid/interpolate.h"
 #include "morph/liquid/local_balance.h"
 #include "morph/liquid/match.h"
+#include "morph/liquid/spread.h"
 #include "morph/liquid/surface_samples.h"
 #include "morph/liquid/volume.h"
 
@@ -224,6 +225,53 @@ TEST(FlowPath, IsSmoothEvenAndExactAtItsEnds) {
 }
 
 // Ten balls in one place are ten times too much; one that is alone is as it should be.
+/// Parts along a ring, each wanting the density that they have where they are even.
+std::vector<LiquidPart> ring_of_parts(double clumping) {
+  constexpr int k_count = 200;
+  const auto at = [](double by) {
+    std::vector<LiquidPart> parts;
+    for (int i = 0; i < k_count; ++i) {
+      const double a = 2 * k_pi * i / k_count, turned = a + by * std::sin(8 * a) / 8;
+      parts.push_back({Vec3d(std::cos(turned), 0, std::sin(turned)), 0.4, 0.01});
+    }
+    return parts;
+  };
+  std::vector<LiquidPart> parts = at(clumping);
+  const std::vector<double> even = densities(at(0));
+  for (size_t i = 0; i < parts.size(); ++i) parts[i].wanted = even[i];
+  return parts;
+}
+
+TEST(Spread, ClosesTheGapsThatLiquidLeft) {
+  // The least potential on the ring, as a share of the largest.
+  const auto evenness = [](std::span<const Vec3d> places) {
+    double least = 1e9, most = 0;
+    for (int i = 0; i < 256; ++i) {
+      const double a = 2 * k_pi * i / 256;
+      double sum = 0;
+      for (const Vec3d& p : places) {
+        const Vec3d d = (p - Vec3d(std::cos(a), 0, std::sin(a))) / 0.4;
+        sum += falloff(Falloff::quartic, glm::dot(d, d));
+      }
+      least = std::min(least, sum), most = std::max(most, sum);
+    }
+    return least / most;
+  };
+  const auto places = [](std::span<const LiquidPart> parts) {
+    std::vector<Vec3d> all;
+    for (const LiquidPart& part : parts) all.push_back(part.centre);
+    return all;
+  };
+  const std::vector<LiquidPart> clumped = ring_of_parts(-0.95);
+  const std::vector<Vec3d> evened = spread(clumped);
+  EXPECT_GT(evenness(evened), 1.3 * evenness(places(clumped))) << evenness(places(clumped));
+  for (const Vec3d& p : evened) EXPECT_NEAR(glm::length(p), 1, 0.05) << "along the ring";
+  EXPECT_EQ(spread(clumped), evened) << "the same every time";
+  const std::vector<LiquidPart> even = ring_of_parts(0);
+  const std::vector<Vec3d> stayed = spread(even);
+  for (size_t i = 0; i < even.size(); ++i) EXPECT_LT(glm::distance(stayed[i], even[i].centre), 0.02);
+}
+
 TEST(LocalBalance, TakesAwayWhatPilesUp) {
   BlobCloud c(10, {Vec3(0), 1.f, 2.f, Falloff::quartic});
   c.push_back({Vec3(5, 0, 0), 1.f, 2.f, Falloff::quartic});

@@ -7,6 +7,7 @@
 #include "morph/liquid/body_graph.h"
 #include "morph/liquid/flow_path.h"
 #include "morph/liquid/local_balance.h"
+#include "morph/liquid/spread.h"
 #include "morph/liquid/volume.h"
 
 namespace kelpie {
@@ -15,6 +16,10 @@ namespace {
 
 /// Gains are found at this many equal steps: half a frame of a morph of two seconds.
 constexpr int k_gain_steps = 64;
+
+/// Ways are led aside at this many, fully from this progress on, from either end.
+constexpr int k_spread_steps = 24;
+constexpr float k_spread_from = 0.25f;
 
 /// Balances are found at this many: they change slowly.
 constexpr int k_balance_steps = 32;
@@ -51,6 +56,7 @@ LiquidMorph::LiquidMorph(const BlobCloud& from, const BlobCloud& to, Corresponde
   if (how == Correspondence::flow) {
     const BodyGraph bodies(from, to);
     add_parts(match_transport(from, to, bodies), &bodies);
+    spread_parts();
     find_balance();
   } else {
     add_parts(how == Correspondence::transport ? match_transport(from, to) : match_cellular(from, to), nullptr);
@@ -137,6 +143,31 @@ void LiquidMorph::append_parts(float u, float gain, BlobCloud& out) const {
     }
     out.push_back(b);
   }
+}
+
+/// Leads ways aside where they run together: at equal steps of progress, fully once the ends are left behind.
+void LiquidMorph::spread_parts() {
+  const auto parts_at = [&](float u) {
+    std::vector<LiquidPart> parts;
+    for (const Part& p : parts_) parts.push_back({p.path(u), flow_radius(p, u), lerp(p.from.mass, p.to.mass, u)});
+    return parts;
+  };
+  const std::vector<double> first = densities(parts_at(0)), last = densities(parts_at(1));
+  std::vector<std::vector<Vec3d>> ways(parts_.size(), std::vector<Vec3d>(k_spread_steps + 1));
+  parallel_for(0, k_spread_steps + 1, [&](int step) {
+    const float u = static_cast<float>(step) / k_spread_steps;
+    std::vector<LiquidPart> parts = parts_at(u);
+    for (size_t i = 0; i < parts.size(); ++i) parts[i].wanted = lerp(first[i], last[i], double(u));
+    const auto away = [](float from_end) {
+      const float v = std::clamp(from_end / k_spread_from, 0.f, 1.f);
+      return double(v * v * (3 - 2 * v));
+    };
+    const double share = away(u) * away(1 - u);
+    const std::vector<Vec3d> evened = share > 0 ? spread(parts) : std::vector<Vec3d>(parts.size());
+    for (size_t i = 0; i < parts.size(); ++i)
+      ways[i][static_cast<size_t>(step)] = parts[i].centre + (share > 0 ? share * (evened[i] - parts[i].centre) : Vec3d(0));
+  });
+  for (size_t i = 0; i < parts_.size(); ++i) parts_[i].path = Spline<Vec3d>::catmull_rom(ways[i]);
 }
 
 /// Finds each part's own factor, at equal steps of progress. Without it parts that meet in a neck pile up; one common factor that makes

@@ -99,6 +99,7 @@ private:
   float away_from_end(float progress) const;
   SymmetricMat3 form(const Part&, float progress) const;
   float flow_radius(const Part&, float progress) const;
+  void spread_parts();
   void find_balance();
   void find_gains();
   float gain_at(float progress) const;
