@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 
 #include "renderer/film/frame_image.h"
@@ -17,8 +18,8 @@ public:
 
   void add(Vec2i resolution, const PixelBox& data_window);
   void add(const std::string& channel_name, size_t value_size);
-  /// A row of a channel: `count` values of `value_size` (2 or 4) bytes, `stride` bytes from one to the next.
-  void add(size_t value_size, const unsigned char* values, size_t stride, size_t count);
+  /// Rows: of each all channels, one after another.
+  void add(std::span<const unsigned char> rows);
   /// 32 hex digits.
   std::string hex() const;
 
