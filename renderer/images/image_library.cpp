@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include <dlfcn.h>
+#include <sys/mman.h>
 
 #include <fmt/format.h>
 #endif
@@ -38,6 +39,15 @@ fs::path path_of_module() {
                            (program / "../lib/kelpie").lexically_normal().string()));
 }
 
+/// What loading takes, and some more. Where there is less, constructors of libraries fail, each in its own way: some hang.
+constexpr size_t k_address_space = size_t(448) << 20;
+
+void require_address_space() {
+  void* const reserved = mmap(nullptr, k_address_space, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (reserved == MAP_FAILED) throw std::bad_alloc();
+  munmap(reserved, k_address_space);
+}
+
 /// The dynamic linker says in words that there is no memory.
 bool is_lack_of_memory_of_linker(std::string_view why) {
   for (const std::string_view lack : {"annot allocate memory", "failed to map segment", "annot map zero-fill pages", "annot create"})
@@ -45,10 +55,14 @@ bool is_lack_of_memory_of_linker(std::string_view why) {
   return false;
 }
 
+/// What a constructor of a library throws must not come through the dynamic linker: it ends the program, as it does before main().
+void* load(const fs::path& module) noexcept { return dlopen(module.c_str(), RTLD_LAZY | RTLD_LOCAL); }
+
 /// It stays loaded: threads of its libraries may run until the process ends.
 const ImageLibrary& load_image_library() {
   const fs::path path = path_of_module();
-  void* const module = dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
+  require_address_space();
+  void* const module = load(path);
   if (!module) {
     const std::string why = dlerror();
     if (is_lack_of_memory_of_linker(why)) throw std::bad_alloc();

@@ -1,16 +1,18 @@
 #include "renderer/output/exr.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <new>
+#include <span>
+#include <string_view>
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfChromaticitiesAttribute.h>
-#include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfMatrixAttribute.h>
-#include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfRationalAttribute.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <fmt/format.h>
@@ -21,6 +23,7 @@
 #include "renderer/output/exr_attributes.h"
 #include "renderer/output/file_hash.h"
 #include "renderer/output/packed_pixels.h"
+#include "renderer/output/zip_chunk.h"
 
 namespace kelpie {
 
@@ -50,6 +53,50 @@ private:
   std::vector<unsigned char>& bytes_;
   size_t place_ = 0;
 };
+
+// EXR is little endian.
+void write_number(Imf::OStream& out, uint64_t number, int size) {
+  std::array<char, 8> bytes;
+  for (int i = 0; i < size; ++i) bytes[size_t(i)] = static_cast<char>(number >> (8 * i));
+  out.write(bytes.data(), size);
+}
+
+void write_bytes(Imf::OStream& out, std::span<const unsigned char> bytes) {
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<int>(bytes.size()));
+}
+
+// OpenEXR writes the header. It offers no way to write what was compressed elsewhere, so the rest of the file is written here: a table
+// of where the chunks are, and of each chunk its first row, its size and its bytes.
+
+constexpr uint32_t k_magic_number = 20000630, k_version = 2, k_long_names_flag = 0x400;
+
+bool has_long_names(const Imf::Header& header) {
+  constexpr size_t k_short = 31;
+  bool is_long = false;
+  for (auto a = header.begin(); a != header.end(); ++a) is_long = is_long || std::string_view(a.name()).size() > k_short;
+  for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
+    is_long = is_long || std::string_view(c.name()).size() > k_short;
+  return is_long;
+}
+
+void write_chunks(MemoryWriter& out, const PackedPixels& packed, const PixelBox& window) {
+  const int count = (window.height() + k_rows_of_chunk - 1) / k_rows_of_chunk;
+  const uint64_t table = out.tellp();
+  for (int i = 0; i < count; ++i) write_number(out, 0, 8);
+  const size_t chunk_size = packed.row_size * k_rows_of_chunk;
+  ChunkZipper zipper;
+  for (int i = 0; i < count; ++i) {
+    const uint64_t place = out.tellp();
+    out.seekp(table + 8 * uint64_t(i));
+    write_number(out, place, 8);
+    out.seekp(place);
+    const size_t first = size_t(i) * chunk_size;
+    const auto zipped = zipper.zip(std::span(packed.bytes).subspan(first, std::min(chunk_size, packed.bytes.size() - first)));
+    write_number(out, static_cast<uint32_t>(window.y0 + i * k_rows_of_chunk), 4);
+    write_number(out, zipped.size(), 4);
+    write_bytes(out, zipped);
+  }
+}
 
 Imf::Rational rate_of(double fps) {
   const int thousandths = static_cast<int>(std::lround(fps * 1000));
@@ -91,15 +138,16 @@ Imf::Header header_for(const FrameImage& image, const FrameHeader& frame, const 
 EncodedFrame encode_exr(const FrameImage& image, const FrameHeader& header) try {
   EncodedFrame encoded;
   ReplacedValues replaced;
-  PackedPixels packed = pack(image, replaced);
+  const PackedPixels packed = pack(image, replaced);
   encoded.clamped = replaced.clamped, encoded.nonfinite = replaced.nonfinite;
   encoded.pixel_hash = hash_of(packed, image);
   MemoryWriter writer(encoded.bytes);
-  {
-    Imf::OutputFile file(writer, header_for(image, header, encoded.pixel_hash), 0);
-    file.setFrameBuffer(frame_buffer_on(packed, image, file.header().dataWindow()));
-    file.writePixels(image.data_window.height());
-  }
+  const Imf::Header exr = header_for(image, header, encoded.pixel_hash);
+  exr.sanityCheck();
+  write_number(writer, k_magic_number, 4);
+  write_number(writer, k_version | (has_long_names(exr) ? k_long_names_flag : 0), 4);
+  exr.writeTo(writer);
+  write_chunks(writer, packed, image.data_window);
   seal(encoded.bytes);
   return encoded;
 } catch (const std::bad_alloc&) {
