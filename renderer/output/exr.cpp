@@ -48,6 +48,7 @@ public:
   }
   uint64_t tellp() override { return place_; }
   void seekp(uint64_t place) override { place_ = place; }
+  void reserve(size_t more) { bytes_.reserve(bytes_.size() + more); }
 
 private:
   std::vector<unsigned char>& bytes_;
@@ -79,23 +80,38 @@ bool has_long_names(const Imf::Header& header) {
   return is_long;
 }
 
-void write_chunks(MemoryWriter& out, const PackedPixels& packed, const PixelBox& window) {
-  const int count = (window.height() + k_rows_of_chunk - 1) / k_rows_of_chunk;
+void write_head(MemoryWriter& out, const Imf::Header& header) {
+  out.seekp(0);
+  write_number(out, k_magic_number, 4);
+  write_number(out, k_version | (has_long_names(header) ? k_long_names_flag : 0), 4);
+  header.writeTo(out);
+}
+
+/// Returns the hash of the pixels.
+std::string write_chunks(MemoryWriter& out, const FrameImage& image, ReplacedValues& replaced) {
+  const RowLayout layout(image);
+  const size_t count = (layout.height + k_rows_of_chunk - 1) / k_rows_of_chunk;
   const uint64_t table = out.tellp();
-  for (int i = 0; i < count; ++i) write_number(out, 0, 8);
-  const size_t chunk_size = packed.row_size * k_rows_of_chunk;
+  out.reserve(layout.row_size * layout.height / 2); // about what it becomes
+  for (size_t i = 0; i < count; ++i) write_number(out, 0, 8);
   ChunkZipper zipper;
-  for (int i = 0; i < count; ++i) {
+  PixelHash hash = begin_hash(image, layout);
+  std::vector<unsigned char> rows;
+  for (size_t i = 0; i < count; ++i) {
+    const size_t first = i * k_rows_of_chunk;
+    rows.resize(layout.row_size * std::min(k_rows_of_chunk, layout.height - first));
+    pack_rows(image, layout, first, rows, replaced);
+    hash.add(rows);
+    const auto zipped = zipper.zip(rows);
     const uint64_t place = out.tellp();
-    out.seekp(table + 8 * uint64_t(i));
+    out.seekp(table + 8 * i);
     write_number(out, place, 8);
     out.seekp(place);
-    const size_t first = size_t(i) * chunk_size;
-    const auto zipped = zipper.zip(std::span(packed.bytes).subspan(first, std::min(chunk_size, packed.bytes.size() - first)));
-    write_number(out, static_cast<uint32_t>(window.y0 + i * k_rows_of_chunk), 4);
+    write_number(out, static_cast<uint32_t>(image.data_window.y0 + static_cast<int>(first)), 4);
     write_number(out, zipped.size(), 4);
     write_bytes(out, zipped);
   }
+  return hash.hex();
 }
 
 Imf::Rational rate_of(double fps) {
@@ -136,18 +152,19 @@ Imf::Header header_for(const FrameImage& image, const FrameHeader& frame, const 
 } // namespace
 
 EncodedFrame encode_exr(const FrameImage& image, const FrameHeader& header) try {
+  for (const FrameChannel& c : image.channels)
+    if (const size_t n = image.data_window.area(); c.pixels.size() != n)
+      throw Error(ExitStatus::internal, fmt::format("channel {} has {} pixels of {}", c.name, c.pixels.size(), n));
   EncodedFrame encoded;
-  ReplacedValues replaced;
-  const PackedPixels packed = pack(image, replaced);
-  encoded.clamped = replaced.clamped, encoded.nonfinite = replaced.nonfinite;
-  encoded.pixel_hash = hash_of(packed, image);
+  encoded.pixel_hash = std::string(k_pixel_hash_digits, '0'); // until it is known
   MemoryWriter writer(encoded.bytes);
-  const Imf::Header exr = header_for(image, header, encoded.pixel_hash);
-  exr.sanityCheck();
-  write_number(writer, k_magic_number, 4);
-  write_number(writer, k_version | (has_long_names(exr) ? k_long_names_flag : 0), 4);
-  exr.writeTo(writer);
-  write_chunks(writer, packed, image.data_window);
+  const Imf::Header first_header = header_for(image, header, encoded.pixel_hash);
+  first_header.sanityCheck();
+  write_head(writer, first_header);
+  ReplacedValues replaced;
+  encoded.pixel_hash = write_chunks(writer, image, replaced);
+  write_head(writer, header_for(image, header, encoded.pixel_hash));
+  encoded.clamped = replaced.clamped, encoded.nonfinite = replaced.nonfinite;
   seal(encoded.bytes);
   return encoded;
 } catch (const std::bad_alloc&) {

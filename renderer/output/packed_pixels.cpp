@@ -6,10 +6,6 @@
 #include <limits>
 
 #include <Imath/half.h>
-#include <fmt/format.h>
-
-#include "base/error.h"
-#include "renderer/output/pixel_hash.h"
 
 namespace kelpie {
 
@@ -41,43 +37,36 @@ void pack_row(const float* values, size_t count, ChannelDepth depth, unsigned ch
 
 } // namespace
 
-PackedPixels::PackedPixels(const FrameImage& image) : order(image.channels.size()), offsets(image.channels.size()) {
+RowLayout::RowLayout(const FrameImage& image) : order(image.channels.size()), offsets(image.channels.size()) {
   for (size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return image.channels[a].name < image.channels[b].name; });
-  const size_t width = image.data_window.is_empty() ? 0 : size_t(image.data_window.width());
+  if (image.data_window.is_empty()) return;
+  width = size_t(image.data_window.width()), height = size_t(image.data_window.height());
   for (const size_t c : order) {
     offsets[c] = row_size;
     row_size += width * size_of(image.channels[c].depth);
   }
-  bytes.resize(width == 0 ? 0 : row_size * size_t(image.data_window.height()));
 }
 
-PackedPixels pack(const FrameImage& image, ReplacedValues& counts) {
-  const size_t n = image.data_window.area(), width = n ? size_t(image.data_window.width()) : 1;
-  for (const FrameChannel& c : image.channels)
-    if (c.pixels.size() != n) throw Error(ExitStatus::internal, fmt::format("channel {} has {} pixels of {}", c.name, c.pixels.size(), n));
-  PackedPixels packed(image);
-  for (size_t row = 0; row < n / width; ++row)
-    for (const size_t c : packed.order) {
+void pack_rows(const FrameImage& image, const RowLayout& layout, size_t first, std::span<unsigned char> out, ReplacedValues& counts) {
+  for (size_t row = 0; row < out.size() / layout.row_size; ++row)
+    for (const size_t c : layout.order) {
       const FrameChannel& channel = image.channels[c];
-      pack_row(channel.pixels.data() + row * width, width, channel.depth, packed.bytes.data() + row * packed.row_size + packed.offsets[c],
-               counts);
+      pack_row(channel.pixels.data() + (first + row) * layout.width, layout.width, channel.depth,
+               out.data() + row * layout.row_size + layout.offsets[c], counts);
     }
-  return packed;
 }
 
-void unpack(const PackedPixels& packed, FrameImage& image) {
-  const size_t n = image.data_window.area(), width = n ? size_t(image.data_window.width()) : 1;
-  for (FrameChannel& c : image.channels) c.pixels.resize(n);
-  for (size_t row = 0; row < n / width; ++row)
-    for (const size_t c : packed.order) {
+void unpack_rows(std::span<const unsigned char> rows, const RowLayout& layout, size_t first, FrameImage& image) {
+  for (size_t row = 0; row < rows.size() / layout.row_size; ++row)
+    for (const size_t c : layout.order) {
       FrameChannel& channel = image.channels[c];
-      const unsigned char* in = packed.bytes.data() + row * packed.row_size + packed.offsets[c];
-      float* const out = channel.pixels.data() + row * width;
+      const unsigned char* in = rows.data() + row * layout.row_size + layout.offsets[c];
+      float* const out = channel.pixels.data() + (first + row) * layout.width;
       if (channel.depth == ChannelDepth::full) {
-        std::memcpy(out, in, 4 * width);
+        std::memcpy(out, in, 4 * layout.width);
       } else {
-        for (size_t i = 0; i < width; ++i, in += 2) {
+        for (size_t i = 0; i < layout.width; ++i, in += 2) {
           Imath::half h;
           std::memcpy(&h, in, 2);
           out[i] = h;
@@ -86,12 +75,11 @@ void unpack(const PackedPixels& packed, FrameImage& image) {
     }
 }
 
-std::string hash_of(const PackedPixels& packed, const FrameImage& image) {
+PixelHash begin_hash(const FrameImage& image, const RowLayout& layout) {
   PixelHash hash;
   hash.add(image.resolution, image.data_window);
-  for (const size_t c : packed.order) hash.add(image.channels[c].name, size_of(image.channels[c].depth));
-  hash.add(packed.bytes);
-  return hash.hex();
+  for (const size_t c : layout.order) hash.add(image.channels[c].name, size_of(image.channels[c].depth));
+  return hash;
 }
 
 } // namespace kelpie

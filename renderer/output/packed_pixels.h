@@ -2,24 +2,24 @@
 // at its channel's depth. That is what EXR's scanlines hold before they are compressed.
 #pragma once
 
-#include <cstdint>
-#include <string>
+#include <cstddef>
+#include <span>
 #include <vector>
 
 #include "renderer/film/frame_image.h"
+#include "renderer/output/pixel_hash.h"
 
 namespace kelpie {
 
 inline size_t size_of(ChannelDepth depth) { return depth == ChannelDepth::half ? 2 : 4; }
 
-struct PackedPixels {
-  std::vector<unsigned char> bytes;
+/// Where the channels of a frame stand in a row.
+struct RowLayout {
   std::vector<size_t> order;   ///< the channels of the frame, by name
   std::vector<size_t> offsets; ///< of each channel of the frame in a row
-  size_t row_size = 0;
+  size_t width = 0, height = 0, row_size = 0;
 
-  /// Room for the pixels of a frame, which may have none yet.
-  explicit PackedPixels(const FrameImage&);
+  explicit RowLayout(const FrameImage&);
 };
 
 /// What was written instead of values that a channel cannot hold.
@@ -28,13 +28,13 @@ struct ReplacedValues {
   size_t nonfinite = 0; ///< infinities: the largest value; NaNs: 0
 };
 
-/// Throws Error internal where a channel has not as many values as there are pixels.
-PackedPixels pack(const FrameImage&, ReplacedValues&);
+/// Rows as they are in the file: `out` says how many, from `first` on (0: the uppermost).
+void pack_rows(const FrameImage&, const RowLayout&, size_t first, std::span<unsigned char> out, ReplacedValues&);
 
-/// Back to float, into the channels of the frame.
-void unpack(const PackedPixels&, FrameImage&);
+/// Back to float, into the channels of the frame, which must have room for all pixels.
+void unpack_rows(std::span<const unsigned char> rows, const RowLayout&, size_t first, FrameImage&);
 
-/// The PixelHash, as 32 hex digits.
-std::string hash_of(const PackedPixels&, const FrameImage&);
+/// The hash of a frame whose rows are still to be added.
+PixelHash begin_hash(const FrameImage&, const RowLayout&);
 
 } // namespace kelpie

@@ -19,6 +19,8 @@ PixelHash::PixelHash() : state_(std::make_unique<State>()) {
 }
 
 PixelHash::~PixelHash() = default;
+PixelHash::PixelHash(PixelHash&&) noexcept = default;
+PixelHash& PixelHash::operator=(PixelHash&&) noexcept = default;
 
 void PixelHash::add(Vec2i resolution, const PixelBox& w) {
   const std::array<int, 6> numbers{resolution.x, resolution.y, w.x0, w.y0, w.x1, w.y1};

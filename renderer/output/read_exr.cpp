@@ -6,6 +6,7 @@
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfChromaticitiesAttribute.h>
+#include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputPart.h>
@@ -23,6 +24,8 @@
 #include "renderer/output/exr.h"
 #include "renderer/output/exr_attributes.h"
 #include "renderer/output/file_hash.h"
+#include "renderer/output/packed_pixels.h"
+#include "renderer/output/zip_chunk.h"
 
 namespace kelpie {
 
@@ -73,7 +76,9 @@ public:
   const Imath::Box2i& window() const { return header().dataWindow(); }
   /// A frame without pixels.
   FrameImage describe() const;
-  PackedPixels read_pixels(const FrameImage& described);
+  /// Calls visit(first row, rows as RowLayout says) for all rows from the top, some at a time.
+  template <class Visit>
+  void read_rows(const FrameImage& described, const RowLayout&, Visit&& visit);
   void scale_whole_numbers(FrameImage&) const;
 
 private:
@@ -111,19 +116,40 @@ FrameImage ExrFile::describe() const {
   return image;
 }
 
-PackedPixels ExrFile::read_pixels(const FrameImage& described) {
-  PackedPixels packed(described);
-  const Imf::FrameBuffer buffer = frame_buffer_on(packed, described, window());
-  if (header().hasType() && Imf::isTiled(header().type())) {
-    Imf::TiledInputPart part(file_, 0);
-    part.setFrameBuffer(buffer);
-    part.readTiles(0, part.numXTiles() - 1, 0, part.numYTiles() - 1);
-  } else {
-    Imf::InputPart part(file_, 0);
-    part.setFrameBuffer(buffer);
-    part.readPixels(window().min.y, window().max.y);
+/// Where OpenEXR puts rows of pixels: those from `top` on, `height` of them.
+Imf::FrameBuffer frame_buffer_on(std::vector<unsigned char>& rows, const FrameImage& image, const RowLayout& layout, Imath::Box2i window,
+                                 int top, int height) {
+  window.min.y = top, window.max.y = top + height - 1;
+  Imf::FrameBuffer buffer;
+  for (const size_t c : layout.order) {
+    const FrameChannel& channel = image.channels[c];
+    buffer.insert(channel.name, Imf::Slice::Make(channel.depth == ChannelDepth::half ? Imf::HALF : Imf::FLOAT,
+                                                 rows.data() + layout.offsets[c], window, size_of(channel.depth), layout.row_size));
   }
-  return packed;
+  return buffer;
+}
+
+template <class Visit>
+void ExrFile::read_rows(const FrameImage& described, const RowLayout& layout, Visit&& visit) {
+  const int y0 = window().min.y, y1 = window().max.y + 1;
+  std::vector<unsigned char> rows;
+  if (header().hasType() && Imf::isTiled(header().type())) {
+    rows.resize(layout.row_size * layout.height);
+    Imf::TiledInputPart part(file_, 0);
+    part.setFrameBuffer(frame_buffer_on(rows, described, layout, window(), y0, y1 - y0));
+    part.readTiles(0, part.numXTiles() - 1, 0, part.numYTiles() - 1);
+    visit(size_t(0), rows);
+    return;
+  }
+  Imf::InputPart part(file_, 0);
+  for (int y = y0; y < y1;) {
+    const int count = std::min(static_cast<int>(k_rows_of_chunk), y1 - y);
+    rows.resize(layout.row_size * size_t(count));
+    part.setFrameBuffer(frame_buffer_on(rows, described, layout, window(), y, count));
+    part.readPixels(y, y + count - 1);
+    visit(size_t(y - y0), rows);
+    y += count;
+  }
 }
 
 /// The largest whole number is 1.
@@ -182,10 +208,15 @@ DecodedFrame decode(std::span<const unsigned char> bytes, const std::string& nam
       frame.chromaticities = {c->red.x, c->red.y, c->green.x, c->green.y, c->blue.x, c->blue.y, c->white.x, c->white.y};
     // A small file may claim a picture of any size; ZIP makes at most a thousandth of it.
     if (frame.image.data_window.area() * frame.image.channels.size() / 4096 > bytes.size()) throw std::runtime_error("truncated");
-    const PackedPixels packed = file.read_pixels(frame.image);
-    frame.pixel_hash = hash_of(packed, frame.image);
-    if (!with_pixels) return frame;
-    unpack(packed, frame.image);
+    const RowLayout layout(frame.image);
+    PixelHash hash = begin_hash(frame.image, layout);
+    if (with_pixels)
+      for (FrameChannel& c : frame.image.channels) c.pixels.resize(frame.image.data_window.area());
+    file.read_rows(frame.image, layout, [&](size_t first, std::span<const unsigned char> rows) {
+      hash.add(rows);
+      if (with_pixels) unpack_rows(rows, layout, first, frame.image);
+    });
+    frame.pixel_hash = hash.hex();
     file.scale_whole_numbers(frame.image);
   } catch (const std::bad_alloc&) {
     throw;

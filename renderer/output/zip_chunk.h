@@ -11,7 +11,7 @@
 namespace kelpie {
 
 /// How many rows make a chunk.
-inline constexpr int k_rows_of_chunk = 16;
+inline constexpr size_t k_rows_of_chunk = 16;
 
 class ChunkZipper {
 public:
