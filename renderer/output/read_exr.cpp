@@ -3,7 +3,9 @@
 #include <array>
 #include <cstring>
 #include <new>
+#include <stdexcept>
 
+#include <OpenEXR/Iex.h>
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfChromaticitiesAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -38,7 +40,7 @@ public:
   explicit MemoryReader(std::span<const unsigned char> bytes) : IStream("memory.exr"), bytes_(bytes) {}
 
   bool read(char* to, int count) override {
-    if (count < 0 || size_t(count) > bytes_.size() - place_) throw std::runtime_error("Unexpected end of file.");
+    if (count < 0 || size_t(count) > bytes_.size() - place_) throw Iex::InputExc("Unexpected end of file.");
     std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(place_), count, to);
     place_ += size_t(count);
     return place_ < bytes_.size();
@@ -51,25 +53,30 @@ private:
   size_t place_ = 0;
 };
 
+/// What OpenEXR reads, and kelpie does not.
+struct Refused : std::runtime_error {
+  using runtime_error::runtime_error;
+};
+
 /// EXR bytes whose first part is a picture within the limits.
 class ExrFile {
 public:
-  /// Throws what OpenEXR throws, and std::runtime_error.
+  /// Throws what OpenEXR throws, and Refused.
   explicit ExrFile(std::span<const unsigned char> bytes) : reader_(bytes), file_(reader_, 0) {
     const Imath::Box2i& w = window();
     const int64_t width = int64_t(w.max.x) - w.min.x + 1, height = int64_t(w.max.y) - w.min.y + 1;
-    if (header().hasType() && Imf::isDeepData(header().type())) throw std::runtime_error("deep pictures are not supported");
+    if (header().hasType() && Imf::isDeepData(header().type())) throw Refused("deep pictures are not supported");
     const Imf::ChannelList& channels = header().channels();
     for (auto c = channels.begin(); c != channels.end(); ++c) {
       ++channel_count_;
       is_half_and_float_ = is_half_and_float_ && c.channel().type != Imf::UINT;
     }
     if (width > k_max_side || height > k_max_side || channel_count_ > k_max_channels)
-      throw std::runtime_error(fmt::format("{}×{} pixels with {} channels are too many", width, height, channel_count_));
+      throw Refused(fmt::format("{}×{} pixels with {} channels are too many", width, height, channel_count_));
     for (auto c = channels.begin(); c != channels.end(); ++c)
       if (c.channel().xSampling != 1 || c.channel().ySampling != 1)
-        throw std::runtime_error(fmt::format("Subsampled channels are not supported (channel \"{}\" has sampling {},{})", c.name(),
-                                             c.channel().xSampling, c.channel().ySampling));
+        throw Refused(fmt::format("Subsampled channels are not supported (channel \"{}\" has sampling {},{})", c.name(),
+                                  c.channel().xSampling, c.channel().ySampling));
   }
 
   const Imf::Header& header() const { return file_.header(0); }
@@ -144,7 +151,7 @@ void ExrFile::read_rows(const FrameImage& described, const RowLayout& layout, Vi
   Imf::InputPart part(file_, 0);
   for (int y = y0; y < y1;) {
     const int count = std::min(static_cast<int>(k_rows_of_chunk), y1 - y);
-    rows.resize(layout.row_size * size_t(count));
+    rows.assign(layout.row_size * size_t(count), 0);
     part.setFrameBuffer(frame_buffer_on(rows, described, layout, window(), y, count));
     part.readPixels(y, y + count - 1);
     visit(size_t(y - y0), rows);
@@ -199,6 +206,7 @@ DecodedFrame decode(std::span<const unsigned char> bytes, const std::string& nam
   constexpr std::array<unsigned char, 4> k_magic{0x76, 0x2f, 0x31, 0x01};
   if (bytes.size() < k_magic.size() || !std::equal(k_magic.begin(), k_magic.end(), bytes.begin())) fail("it is not an OpenEXR file");
   DecodedFrame frame;
+  const char* stage = "OpenEXR exception";
   try {
     ExrFile file(bytes);
     frame.image = file.describe();
@@ -207,7 +215,8 @@ DecodedFrame decode(std::span<const unsigned char> bytes, const std::string& nam
     if (const auto* c = value_of<Imf::Chromaticities>(file.header(), "chromaticities"))
       frame.chromaticities = {c->red.x, c->red.y, c->green.x, c->green.y, c->blue.x, c->blue.y, c->white.x, c->white.y};
     // A small file may claim a picture of any size; ZIP makes at most a thousandth of it.
-    if (frame.image.data_window.area() * frame.image.channels.size() / 4096 > bytes.size()) throw std::runtime_error("truncated");
+    if (frame.image.data_window.area() * frame.image.channels.size() / 4096 > bytes.size()) throw Refused("truncated");
+    stage = "Failed OpenEXR read";
     const RowLayout layout(frame.image);
     PixelHash hash = begin_hash(frame.image, layout);
     if (with_pixels)
@@ -220,8 +229,10 @@ DecodedFrame decode(std::span<const unsigned char> bytes, const std::string& nam
     file.scale_whole_numbers(frame.image);
   } catch (const std::bad_alloc&) {
     throw;
-  } catch (const std::exception& e) {
+  } catch (const Refused& e) {
     fail(e.what());
+  } catch (const std::exception& e) {
+    fail(fmt::format("{}: {}", stage, e.what()));
   }
   return frame;
 }
