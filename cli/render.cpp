@@ -1,5 +1,6 @@
 #include "cli/render.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <filesystem>
@@ -10,6 +11,8 @@
 #include <tbb/global_control.h>
 
 #include "base/atomic_file.h"
+#include "base/memory_limit.h"
+#include "cli/background_task.h"
 #include "cli/command.h"
 #include "cli/failure.h"
 #include "cli/film_options.h"
@@ -32,7 +35,7 @@ std::vector<int> frames_to_render(const Scene& scene, const std::optional<std::s
   return parse_frames(ranges.value_or(fmt::format("{}-{}", scene.frames.first, scene.frames.last)));
 }
 
-/// Frames of the scene, written one by one.
+/// Frames of the scene, one by one: each is written while the next is rendered.
 class SequenceRenderer {
 public:
   SequenceRenderer(Scene scene, const FramePattern& pattern, const PixelBox& window, std::string hash, const RenderOptions& options,
@@ -40,42 +43,85 @@ public:
       : scene_(std::move(scene)), pattern_(pattern), window_(window), hash_(std::move(hash)), options_(options), progress_(progress) {}
 
   void render(int frame) {
-    const std::string path = pattern_.path(frame);
-    const std::string key = hash_ + "#" + std::to_string(frame);
-    if (options_.skip_existing && frame_is_complete(path, key)) {
-      progress_.advance(++finished_, fmt::format("{}: exists", path));
+    auto job = std::make_shared<Job>();
+    job->frame = frame, job->path = pattern_.path(frame), job->key = hash_ + "#" + std::to_string(frame);
+    if (options_.skip_existing && frame_is_complete(job->path, job->key)) {
+      finish_writing();
+      ++rendered_;
+      progress_.advance(++written_, fmt::format("{}: exists", job->path));
       return;
     }
-    Diagnostics diagnostics;
-    std::atomic<double> share{0};
-    Heartbeat building(options_.progress, fmt::format("building frame {}", frame));
-    const auto progress = [&](double part) {
-      building.stop();
-      double before = share;
-      while (!share.compare_exchange_weak(before, before + part)) {
-      }
-      progress_.advance(finished_ + std::min(1.0, before + part) * 0.999);
-    };
-    set_activity(fmt::format("rendering frame {}", frame));
-    RenderedFrame rendered = render_frame(scene_, frame, window_, {environments_, diagnostics, progress, options_.max_memory, &kept_});
-    write(rendered, frame, path, key, diagnostics);
-    for (const Problem& p : diagnostics.warnings()) progress_.print_line("warning: " + to_string(p));
-    progress_.advance(++finished_, fmt::format("wrote {}", path));
+    try {
+      render(*job);
+    } catch (...) {
+      finish_writing(); // what failed there did so earlier
+      throw;
+    }
+    ++rendered_;
+    finish_writing();
+    frame_in_flight_ = frame;
+    writing_.start([this, job] { write(*job); });
+    if (is_large(job->rendered.image)) finish_writing();
+  }
+
+  /// What remains to be written.
+  void finish_writing() {
+    try {
+      writing_.wait();
+    } catch (...) {
+      set_activity(fmt::format("rendering frame {}", frame_in_flight_));
+      throw;
+    }
   }
 
   const std::vector<FrameReport>& reports() const { return reports_; }
 
 private:
-  void write(const RenderedFrame& rendered, int frame, const std::string& path, const std::string& key, Diagnostics& diagnostics) {
-    const double cpu_before = process_cpu_s();
-    const CameraMatrices matrices = camera_matrices(rendered.camera, rendered.image.resolution);
+  /// A frame on its way to its file.
+  struct Job {
+    int frame = 0;
+    std::string path, key;
+    Diagnostics diagnostics;
+    RenderedFrame rendered;
+  };
+  struct WritingHasFailed {};
+
+  /// Two pictures at a time, and what it takes to encode one, must not be what a frame lacks.
+  static bool is_large(const FrameImage& image) {
+    return 3 * sizeof(float) * image.channels.size() * image.data_window.area() > usable_memory() / 8;
+  }
+
+  void render(Job& job) {
+    std::atomic<double> share{0};
+    Heartbeat building(options_.progress, fmt::format("building frame {}", job.frame));
+    const auto progress = [&](double part) {
+      if (writing_.has_failed()) throw WritingHasFailed();
+      building.stop();
+      double before = share;
+      while (!share.compare_exchange_weak(before, before + part)) {
+      }
+      // No frame counts as done before it is written.
+      progress_.advance(std::min(rendered_ + std::min(1.0, before + part) * 0.999, written_ + 0.999));
+    };
+    set_activity(fmt::format("rendering frame {}", job.frame));
+    job.rendered = render_frame(scene_, job.frame, window_, {environments_, job.diagnostics, progress, options_.max_memory, &kept_});
+  }
+
+  void write(Job& job) {
+    const AsideThread aside;
+    const double cpu_before = thread_cpu_s();
+    const FrameImage& image = job.rendered.image;
+    const CameraMatrices matrices = camera_matrices(job.rendered.camera, image.resolution);
     const EncodedFrame encoded = write_exr(
-        path, rendered.image, {frame, scene_.frames.fps, key, scene_.meta.text, matrices.camera_from_world, matrices.ndc_from_world});
+        job.path, image, {job.frame, scene_.frames.fps, job.key, scene_.meta.text, matrices.camera_from_world, matrices.ndc_from_world});
     if (encoded.clamped > 0)
-      diagnostics.warning({path, 0, 0}, fmt::format("{} values above 65504 were clamped to the range of half floats", encoded.clamped));
+      job.diagnostics.warning({job.path, 0, 0},
+                              fmt::format("{} values above 65504 were clamped to the range of half floats", encoded.clamped));
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
-    reports_.push_back({rendered.stats, process_cpu_s() - cpu_before, static_cast<double>(usage.ru_maxrss) / 1024});
+    reports_.push_back({job.rendered.stats, thread_cpu_s() - cpu_before, static_cast<double>(usage.ru_maxrss) / 1024});
+    for (const Problem& p : job.diagnostics.warnings()) progress_.print_line("warning: " + to_string(p));
+    progress_.advance(++written_, fmt::format("wrote {}", job.path));
   }
 
   Scene scene_;
@@ -86,8 +132,11 @@ private:
   Progress& progress_;
   EnvironmentCache environments_;
   KeptScenes kept_;
-  int finished_ = 0;
-  std::vector<FrameReport> reports_;
+  int rendered_ = 0;
+  std::atomic<int> written_{0};
+  std::vector<FrameReport> reports_; // written by who writes; read when that is done
+  int frame_in_flight_ = 0;
+  BackgroundTask writing_; // last: it uses the rest
 };
 
 } // namespace
@@ -128,6 +177,7 @@ void render_scene(const std::string& scene_path, const std::string& name, const 
   Progress progress(options.progress, static_cast<double>(frames.size()), "frames");
   SequenceRenderer sequence(std::move(scene), pattern, window, hash, options, progress);
   for (const int frame : frames) sequence.render(frame);
+  sequence.finish_writing();
   if (!options.stats.empty()) write_render_stats(options.stats, threads, sequence.reports());
 }
 

@@ -11,6 +11,7 @@ find_package(OpenImageIO REQUIRED)
 set_target_properties(OpenImageIO::OpenImageIO PROPERTIES
   INTERFACE_INCLUDE_DIRECTORIES "" INTERFACE_SYSTEM_INCLUDE_DIRECTORIES "")
 find_package(OpenEXR REQUIRED)
+find_package(ZLIB REQUIRED)
 find_package(Ceres REQUIRED)
 find_package(Eigen3 REQUIRED)
 find_package(hwy REQUIRED)

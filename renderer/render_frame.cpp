@@ -1,7 +1,6 @@
 #include "renderer/render_frame.h"
 
 #include <chrono>
-#include <ctime>
 #include <limits>
 
 #include <fmt/format.h>
@@ -11,12 +10,6 @@
 #include "scene/pixel_scale.h"
 
 namespace kelpie {
-
-double process_cpu_s() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 namespace {
 

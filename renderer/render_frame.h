@@ -1,6 +1,7 @@
 // One frame: scene in, picture out. The renderer's whole way of the data, in one function.
 #pragma once
 
+#include "renderer/cpu_time.h"
 #include "renderer/integrate/integrate.h"
 
 namespace kelpie {
@@ -46,8 +47,5 @@ RenderedFrame render_frame(const Scene& scene, double frame, const PixelBox& win
 
 /// A shape and what it takes, in words: `"fin" (512 MB)`.
 std::string describe(const BuildBudget::Share&, const Scene&);
-
-/// CPU seconds of all threads of this process so far.
-double process_cpu_s();
 
 } // namespace kelpie

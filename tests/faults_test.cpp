@@ -230,7 +230,7 @@ TEST_F(Faults, OutOfMemoryIsSaidWhereverItStrikes) {
   int ran_out = 0;
   for (const std::string arguments :
        {"render scene.json -f 1 -o a.exr", "view frame.exr -o a.png --width 3000", "fit mesh.off -o a.ply --blobs 100 --no-cache"})
-    for (int megabytes = 420; megabytes <= 820; megabytes += 50) {
+    for (int megabytes = 120; megabytes <= 820; megabytes += 70) {
       const Outcome o = timed("ulimit -v " + std::to_string(1000 * megabytes) + "; $KELPIE " + arguments);
       if (o.status == 0 || o.status == 127) continue; // it suffices; or not even for the dynamic linker
       ++ran_out;
@@ -238,6 +238,38 @@ TEST_F(Faults, OutOfMemoryIsSaidWhereverItStrikes) {
       EXPECT_NE(o.err.find("error: out of memory"), std::string::npos) << o.err;
     }
   EXPECT_GT(ran_out, 2);
+}
+
+// --- the module ---
+
+// It is found beside the program and where it is installed; without it all works that needs no pictures.
+TEST_F(Faults, AModuleThatIsMissingOrBrokenIsSaid) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "under sanitizers there is no module";
+#endif
+  make_frame();
+  ASSERT_EQ(shell("mkdir -p bin lib/kelpie && cp $KELPIE bin"), 0);
+  EXPECT_EQ(timed("bin/kelpie render scene.json -f 1 -o b.exr --progress none && cmp b.exr frame.exr").status, 0);
+  expect("bin/kelpie view frame.exr -o a.png", 70, "error: kelpie_images.so is missing, which");
+  const std::string module = "$(dirname $KELPIE)/lib/kelpie/kelpie_images.so";
+  for (const std::string folder : {"lib/kelpie", "bin"}) {
+    ASSERT_EQ(shell("head -c 5000 " + module + " >" + folder + "/kelpie_images.so"), 0);
+    expect("bin/kelpie view frame.exr -o a.png", 70, "error: cannot load ");
+    ASSERT_EQ(shell("cp " + module + " " + folder), 0);
+    EXPECT_EQ(timed("bin/kelpie view frame.exr -o a.png && rm a.png").status, 0) << folder;
+  }
+}
+
+// --- frames that are written while the next is rendered ---
+
+TEST_F(Faults, AFrameThatCannotBeWrittenEndsTheSequence) {
+  ASSERT_EQ(shell("mkdir -p a.0002.exr"), 0);
+  const Outcome o = timed("$KELPIE render scene.json -f 1-9 --spp 64 -o a.####.exr --progress plain");
+  EXPECT_EQ(o.status, 74) << o.err;
+  EXPECT_NE(o.err.find("wrote a.0001.exr\n"), std::string::npos) << o.err;
+  EXPECT_NE(o.err.find("error: a.0002.exr: is a folder; name a file\n"), std::string::npos) << o.err;
+  EXPECT_EQ(o.err.find("wrote a.0003.exr"), std::string::npos) << o.err;
+  EXPECT_EQ(shell("ls -A | grep -q 'part\\|a.0003'"), 1) << "neither a part nor the frame that was rendered meanwhile";
 }
 
 } // namespace

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <limits>
 #include <numeric>
+#include <random>
 
 #include <sys/mount.h>
 #include <sys/resource.h>
@@ -12,6 +13,7 @@
 #include <unistd.h>
 
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
@@ -20,6 +22,7 @@
 #include "renderer/output/exr.h"
 #include "renderer/output/file_hash.h"
 #include "renderer/output/sequence.h"
+#include "renderer/output/zip_chunk.h"
 
 namespace kelpie {
 namespace {
@@ -187,6 +190,53 @@ TEST_F(OutputTest, BadPicturesAreErrors) {
   message_of(ExitStatus::missing_input, [&] { read_exr(folder_.string()); });
   write_file_atomically(path("b.exr"), bytes_of("no picture"));
   EXPECT_NE(message_of(ExitStatus::bad_data, [&] { read_exr(path("b.exr")); }).find("b.exr"), std::string::npos);
+}
+
+// Other readers read it, whatever is in it.
+TEST(ZipChunks, AreWhatZlibReads) {
+  std::mt19937 random(7);
+  ChunkZipper zipper;
+  for (const size_t size : {1u, 2u, 3u, 517u, 2048u, 2049u, 4099u, 70'000u, 300'001u})
+    for (int kind = 0; kind < 4; ++kind) {
+      std::string rows(size, 'x');
+      for (size_t i = 0; i < size; ++i) {
+        const bool is_noisy = kind == 3 ? i / 9000 % 2 : kind == 1;
+        rows[i] = static_cast<char>(is_noisy ? random() : kind == 2 ? i / 100 : 0);
+      }
+      const auto zipped = zipper.zip(bytes_of(rows));
+      EXPECT_LE(zipped.size(), size);
+      if (zipped.size() == size) continue; // as they are
+      
+      std::vector<unsigned char> differences(size);
+      uLongf count = size;
+      ASSERT_EQ(uncompress(differences.data(), &count, zipped.data(), zipped.size()), Z_OK) << size << " " << kind;
+      ASSERT_EQ(count, size);
+      for (size_t i = 1; i < size; ++i) differences[i] = static_cast<unsigned char>(differences[i] + differences[i - 1] - 128);
+      for (size_t i = 0; i < size; ++i)
+        ASSERT_EQ(differences[i % 2 ? (size + 1) / 2 + i / 2 : i / 2], static_cast<unsigned char>(rows[i])) << size << " " << kind;
+    }
+}
+
+// The number of rows in the last chunk, one channel or many, a window off the picture: OpenEXR reads all of them.
+TEST_F(OutputTest, ExrOfAnySizeComesBack) {
+  for (const PixelBox window : {PixelBox{0, 0, 1, 1}, {0, 0, 5, 16}, {-7, -20, 48, 13}, {3, 30, 300, 95}, {0, 0, 1000, 33}}) {
+    const FrameImage image = test_frame(window);
+    const EncodedFrame encoded = encode_exr(image, test_header());
+    const DecodedFrame read = decode_exr(encoded.bytes, "memory");
+    EXPECT_TRUE(read.is_intact());
+    EXPECT_EQ(read.image.data_window, window);
+    EXPECT_EQ(read.image.find("P.Y")->pixels, image.find("P.Y")->pixels);
+    EXPECT_EQ(pixel_hash_of_exr(encoded.bytes, "memory"), encoded.pixel_hash);
+  }
+}
+
+TEST_F(OutputTest, NamesOfChannelsMayBeLong) {
+  FrameImage image = test_frame();
+  image.add("a_layer_with_a_long_name_of_its_own.R").pixels[3] = 2;
+  const DecodedFrame read = decode_exr(encode_exr(image, test_header()).bytes, "memory");
+  EXPECT_TRUE(read.is_intact());
+  ASSERT_TRUE(read.image.find("a_layer_with_a_long_name_of_its_own.R"));
+  EXPECT_EQ(read.image.find("a_layer_with_a_long_name_of_its_own.R")->pixels[3], 2);
 }
 
 // --- the camera in the header ---

@@ -3,12 +3,11 @@
 #include <cstring>
 #include <limits>
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include "base/file_bytes.h"
 #include "colour/spaces.h"
+#include "renderer/images/image_library.h"
 #include "renderer/light/environment_map.h"
 #include "renderer/output/exr.h"
 
@@ -37,19 +36,17 @@ void check_size(const std::string& path, int width, int height) {
 }
 
 RawMap read_radiance(const std::string& path, const std::string& bytes) {
-  // The decoder is chosen here: OIIO by itself would try all of its formats on a file.
-  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create("hdr");
-  OIIO::Filesystem::IOMemReader reader(bytes.data(), bytes.size());
-  OIIO::ImageSpec spec, config;
-  if (!input->set_ioproxy(&reader) || !input->open("memory.hdr", spec, config))
-    fail(path, "not a Radiance HDR picture: " + input->geterror());
-  check_size(path, spec.width, spec.height);
-  // A run of 127 equal values takes two bytes: fewer bytes than that make no such picture.
-  if (spec.nchannels != 3 || size_t(spec.width) * size_t(spec.height) * 4 / 64 > bytes.size()) fail(path, "truncated");
-  RawMap map{spec.width, spec.height, {}, {}};
-  map.rgb.resize(size_t(spec.width) * size_t(spec.height) * 3);
-  if (!input->read_image(0, 0, 0, 3, OIIO::TypeDesc::FLOAT, map.rgb.data()))
-    fail(path, "not a whole Radiance HDR picture: " + input->geterror());
+  RawMap map;
+  const auto make_room = [&](int width, int height, int channels) {
+    check_size(path, width, height);
+    // A run of 127 equal values takes two bytes: fewer bytes than that make no such picture.
+    if (channels != 3 || size_t(width) * size_t(height) * 4 / 64 > bytes.size()) fail(path, "truncated");
+    map.width = width, map.height = height;
+    map.rgb.resize(size_t(width) * size_t(height) * 3);
+    return map.rgb.data();
+  };
+  if (const auto why = image_library().read_radiance(as_bytes(bytes), make_room))
+    fail(path, fmt::format("not a {}Radiance HDR picture: {}", map.rgb.empty() ? "" : "whole ", *why));
   return map;
 }
 

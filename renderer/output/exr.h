@@ -36,8 +36,8 @@ struct EncodedFrame {
   size_t nonfinite = 0;   ///< infinities (written as the largest value) and NaNs (written as 0)
 };
 
-/// In memory: OIIO and OpenEXR truncate what they open, and can end with status 0 and a broken file on a
-/// full disk; so neither ever sees the file system when writing. Throws Error internal when they fail.
+/// In memory: OpenEXR truncates what it opens, and can end with status 0 and a broken file on a full disk; so it never sees the file
+/// system. Throws Error internal when it fails.
 EncodedFrame encode_exr(const FrameImage&, const FrameHeader&);
 
 struct DecodedFrame {
@@ -58,6 +58,9 @@ DecodedFrame read_exr(const std::string& path);
 
 /// The same from memory; `name` is for messages.
 DecodedFrame decode_exr(std::span<const unsigned char> bytes, const std::string& name);
+
+/// The hash of its pixels alone, as computed from them.
+std::string pixel_hash_of_exr(std::span<const unsigned char> bytes, const std::string& name);
 
 /// Encodes, decodes again and compares, and writes atomically. When this returns, the frame is on the
 /// disk, whole. Throws Error: cannot_write, or internal when the encoder broke the picture.

@@ -3,8 +3,7 @@
 #include <array>
 #include <filesystem>
 
-#include <OpenImageIO/imagebuf.h>
-#include <OpenImageIO/imagebufalgo.h>
+#include "renderer/images/image_library.h"
 
 namespace kelpie {
 
@@ -30,8 +29,7 @@ bool has_font() { return !font().empty(); }
 
 void write_label(Picture& picture, const std::string& text, int x, int y, int size, float grey) {
   if (!has_font()) return;
-  OIIO::ImageBuf pixels(OIIO::ImageSpec(picture.width, picture.height, 3, OIIO::TypeDesc::FLOAT), picture.rgb.data());
-  OIIO::ImageBufAlgo::render_text(pixels, x, y, text, size, font(), {grey, grey, grey}, OIIO::ImageBufAlgo::TextAlignX::Center);
+  image_library().write_text({picture.width, picture.height, picture.rgb.data()}, text, font(), x, y, size, grey);
 }
 
 } // namespace kelpie

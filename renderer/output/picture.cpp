@@ -3,18 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 #include <new>
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imagebuf.h>
-#include <OpenImageIO/imagebufalgo.h>
-#include <OpenImageIO/imageio.h>
-#include <OpenImageIO/strutil.h>
 #include <fmt/format.h>
 
 #include "base/error.h"
 #include "colour/spaces.h"
+#include "renderer/images/image_library.h"
 
 namespace kelpie {
 
@@ -141,10 +136,8 @@ Picture picture_of(const FrameImage& image, const std::string& name) {
 Picture resize(const Picture& picture, int width) {
   const int height = std::max(1, static_cast<int>(std::lround(double(picture.height) * width / picture.width)));
   Picture resized{width, height, std::vector<float>(size_t(width) * size_t(height) * 3), picture.is_light};
-  const OIIO::ImageBuf from(OIIO::ImageSpec(picture.width, picture.height, 3, OIIO::TypeDesc::FLOAT),
-                            const_cast<float*>(picture.rgb.data()));
-  OIIO::ImageBuf to(OIIO::ImageSpec(width, height, 3, OIIO::TypeDesc::FLOAT), resized.rgb.data());
-  if (!OIIO::ImageBufAlgo::resize(to, from, "blackman-harris")) throw Error(ExitStatus::internal, "resizing failed: " + to.geterror());
+  const PixelRows from{picture.width, picture.height, const_cast<float*>(picture.rgb.data())}, to{width, height, resized.rgb.data()};
+  if (const auto why = image_library().resize(from, to)) throw Error(ExitStatus::internal, "resizing failed: " + *why);
   return resized;
 }
 
@@ -193,32 +186,32 @@ std::vector<uint8_t> dithered_to_8_bit(const Picture& picture) {
 }
 
 std::vector<unsigned char> encode_png(const Picture& picture, int bits, bool is_srgb) {
-  OIIO::ImageSpec spec(picture.width, picture.height, 3, bits == 16 ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8);
-  if (is_srgb) spec.attribute("oiio:ColorSpace", "sRGB");
   std::vector<unsigned char> bytes;
-  OIIO::Filesystem::IOVecOutput stream(bytes);
-  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
-  const auto check = [&](bool is_good) {
-    if (is_good) return;
-    const std::string why = output ? output->geterror() : OIIO::geterror();
-    if (why.empty()) throw std::bad_alloc(); // encoding to memory fails for lack of it
-    throw Error(ExitStatus::internal, "the PNG encoder failed: " + why);
-  };
-  check(output && output->set_ioproxy(&stream) && output->open("memory.png", spec));
+  ImageLibrary::Failure why;
   if (bits == 16) {
     std::vector<uint16_t> values(picture.rgb.size());
     std::transform(picture.rgb.begin(), picture.rgb.end(), values.begin(), [](float v) { return static_cast<uint16_t>(v * 65535 + 0.5f); });
-    check(output->write_image(OIIO::TypeDesc::UINT16, values.data()));
+    why = image_library().encode_png(picture.width, picture.height, bits, values.data(), is_srgb, bytes);
   } else {
     const std::vector<uint8_t> values = dithered_to_8_bit(picture);
-    check(output->write_image(OIIO::TypeDesc::UINT8, values.data()));
+    why = image_library().encode_png(picture.width, picture.height, bits, values.data(), is_srgb, bytes);
   }
-  check(output->close());
-  return bytes;
+  if (!why) return bytes;
+  if (why->empty()) throw std::bad_alloc(); // encoding to memory fails for lack of it
+  throw Error(ExitStatus::internal, "the PNG encoder failed: " + *why);
 }
 
 std::string base64(const std::vector<unsigned char>& bytes) {
-  return OIIO::Strutil::base64_encode({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  constexpr const char* k_digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    const size_t count = std::min<size_t>(3, bytes.size() - i);
+    uint32_t group = 0;
+    for (size_t k = 0; k < 3; ++k) group = group << 8 | (k < count ? bytes[i + k] : 0u);
+    for (size_t k = 0; k < 4; ++k) text += k <= count ? k_digits[group >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
 }
 
 } // namespace kelpie

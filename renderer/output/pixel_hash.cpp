@@ -1,8 +1,6 @@
 #include "renderer/output/pixel_hash.h"
 
-#include <algorithm>
 #include <array>
-#include <cstring>
 #include <new>
 
 #include <fmt/format.h>
@@ -21,6 +19,8 @@ PixelHash::PixelHash() : state_(std::make_unique<State>()) {
 }
 
 PixelHash::~PixelHash() = default;
+PixelHash::PixelHash(PixelHash&&) noexcept = default;
+PixelHash& PixelHash::operator=(PixelHash&&) noexcept = default;
 
 void PixelHash::add(Vec2i resolution, const PixelBox& w) {
   const std::array<int, 6> numbers{resolution.x, resolution.y, w.x0, w.y0, w.x1, w.y1};
@@ -33,25 +33,7 @@ void PixelHash::add(const std::string& channel_name, size_t value_size) {
   XXH3_128bits_update(state_->xxh, &size, 1);
 }
 
-namespace {
-
-/// A constant size: the copy becomes one move.
-template <size_t k_size>
-void gather(unsigned char* out, const unsigned char* values, size_t stride, size_t count) {
-  for (size_t i = 0; i < count; ++i) std::memcpy(out + i * k_size, values + i * stride, k_size);
-}
-
-} // namespace
-
-void PixelHash::add(size_t value_size, const unsigned char* values, size_t stride, size_t count) {
-  std::array<unsigned char, 16384> plane;
-  while (count > 0) {
-    const size_t n = std::min(count, plane.size() / value_size);
-    (value_size == 2 ? gather<2> : gather<4>)(plane.data(), values, stride, n);
-    XXH3_128bits_update(state_->xxh, plane.data(), n * value_size);
-    count -= n, values += n * stride;
-  }
-}
+void PixelHash::add(std::span<const unsigned char> rows) { XXH3_128bits_update(state_->xxh, rows.data(), rows.size()); }
 
 std::string PixelHash::hex() const {
   const XXH128_hash_t hash = XXH3_128bits_digest(state_->xxh);

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 
 #include "renderer/film/frame_image.h"
 
 namespace kelpie {
+
+inline constexpr size_t k_pixel_hash_digits = 32;
 
 /// XXH3-128 of: the windows, the names of the channels with their bytes a value, and then for each row
 /// from the top each channel's values, little endian. Channels are to be taken in ascending order of name.
@@ -14,12 +17,14 @@ class PixelHash {
 public:
   PixelHash();
   ~PixelHash();
+  PixelHash(PixelHash&&) noexcept;
+  PixelHash& operator=(PixelHash&&) noexcept;
 
   void add(Vec2i resolution, const PixelBox& data_window);
   void add(const std::string& channel_name, size_t value_size);
-  /// A row of a channel: `count` values of `value_size` (2 or 4) bytes, `stride` bytes from one to the next.
-  void add(size_t value_size, const unsigned char* values, size_t stride, size_t count);
-  /// 32 hex digits.
+  /// Rows: of each all channels, one after another.
+  void add(std::span<const unsigned char> rows);
+  /// k_pixel_hash_digits hex digits.
   std::string hex() const;
 
 private:
