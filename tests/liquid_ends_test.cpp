@@ -130,7 +130,8 @@ TEST_F(LiquidEnds, MayBeMany) {
     return evaluate(field, field.code, Point3<double>{p.x, p.y, p.z}) > field.threshold;
   };
   const Vec3d along(1.2, 0.4, 0), beside(0, 0.4, 1.2);
-  for (const auto& [frame, is_along, is_beside] : {std::tuple(1, true, false), {31, false, false}, {61, false, true}, {91, true, false}}) {
+  for (const auto& [frame, is_along, is_beside] :
+       {std::tuple(1, true, false), std::tuple(31, false, false), std::tuple(61, false, true), std::tuple(91, true, false)}) {
     const FieldProgram field = field_at(frame);
     EXPECT_EQ(is_inside(field, along), is_along) << frame;
     EXPECT_EQ(is_inside(field, beside), is_beside) << frame;

@@ -423,16 +423,16 @@ TEST(Chain, PartsAreTheSameAtAllMoments) {
   const std::vector<BlobCloud> clouds{row(), mixture(2), ring(), mixture(4), row()};
   for (const Correspondence how : k_all) {
     const LiquidChain chain = chain_of(clouds, how);
-    for (const std::vector<float>& moments : {std::vector<float>{0.1f, 0.15f, 0.25f},
-                                              {0.2f, 0.25f, 0.26f},
-                                              {0.45f, 0.5f, 0.6f},
-                                              {0.25f, 0.5f},
-                                              {0.5f, 0.5f},
-                                              {0.74f, 0.76f},
-                                              {0.76f, 0.74f},
-                                              {0.1f, 0.3f, 0.9f},
-                                              {0.f, 1.f},
-                                              {1.f, 0.99f}}) {
+    for (const std::vector<float>& moments : std::vector<std::vector<float>>{{0.1f, 0.15f, 0.25f},
+                                                                             {0.2f, 0.25f, 0.26f},
+                                                                             {0.45f, 0.5f, 0.6f},
+                                                                             {0.25f, 0.5f},
+                                                                             {0.5f, 0.5f},
+                                                                             {0.74f, 0.76f},
+                                                                             {0.76f, 0.74f},
+                                                                             {0.1f, 0.3f, 0.9f},
+                                                                             {0.f, 1.f},
+                                                                             {1.f, 0.99f}}) {
       std::vector<BlobCloud> parts(moments.size());
       chain.append_parts(moments, parts);
       for (size_t i = 0; i < moments.size(); ++i) {
@@ -483,13 +483,13 @@ TEST(Chain, MatterFlowsOnThroughInnerEnds) {
   const Vec3d in_mixture(1.1, 1, 0), in_ring(4, 0, 0.1);
   for (const auto& [end, p] : {std::pair(1 / 3.f, in_mixture), std::pair(2 / 3.f, in_ring)}) {
     const BlobFlow there = flow_at(chain, {end}, p);
-    for (const std::vector<float>& moments : {std::vector<float>{end - 1e-4f},
-                                              {end + 1e-4f},
-                                              {end - 1e-4f, end + 1e-4f},
-                                              {end, end - 0.1f},
-                                              {end, end + 0.1f},
-                                              {end + 1e-4f, end + 0.1f},
-                                              {end, 0.1f, 0.9f}}) {
+    for (const std::vector<float>& moments : std::vector<std::vector<float>>{{end - 1e-4f},
+                                                                             {end + 1e-4f},
+                                                                             {end - 1e-4f, end + 1e-4f},
+                                                                             {end, end - 0.1f},
+                                                                             {end, end + 0.1f},
+                                                                             {end + 1e-4f, end + 0.1f},
+                                                                             {end, 0.1f, 0.9f}}) {
       const BlobFlow here = flow_at(chain, moments, p);
       EXPECT_LT(glm::distance(here.from, there.from), 0.02f);
       EXPECT_LT(glm::distance(here.to, there.to), 0.02f);
