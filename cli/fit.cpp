@@ -23,11 +23,11 @@ struct FitArguments : FitCommandOptions {
   unsigned threads = 0;
 };
 
-FitResult fit_with_progress(const std::string& mesh_path, const FitCommandOptions& options, Diagnostics& diagnostics) {
-  Progress progress(options.progress, k_shown_steps, fmt::format("steps of fitting {}", mesh_path));
+FitResult fit_with_progress(const MeshSource& mesh, const FitCommandOptions& options, Diagnostics& diagnostics) {
+  Progress progress(options.progress, k_shown_steps, fmt::format("steps of fitting {}", mesh.label));
   FitOptions how{options.blobs > 0 ? options.blobs : k_usual_blobs, options.blobs == 0, options.weld};
   how.progress = [&](double done) { progress.advance(k_shown_steps * done); };
-  return fit_mesh_file(mesh_path, how, !options.no_cache, diagnostics);
+  return fit_mesh_file(mesh.path, how, !options.no_cache, diagnostics);
 }
 
 std::string stats_of(const FitResult& r) {
@@ -46,7 +46,10 @@ std::string stats_of(const FitResult& r) {
 void fit(const FitArguments& options) {
   require_writable(options.output);
   if (!options.stats.empty()) require_writable(options.stats);
-  const FitResult result = fit_and_report(options.mesh, options);
+  ReadOptions read;
+  read.use_cache = !options.no_cache;
+  MeshSources sources(read);
+  const FitResult result = fit_and_report(sources.resolve(options.mesh), options);
   std::vector<FileToWrite> files{{options.output, blob_cloud_bytes(result.blobs)}};
   if (!options.stats.empty()) files.push_back({options.stats, stats_of(result)});
   write_files_atomically(files);
@@ -65,24 +68,24 @@ void add_fit_options(CLI::App& command, FitCommandOptions& o) {
       ->option_text("LENGTH");
 }
 
-FitResult fit_and_report(const std::string& mesh_path, const FitCommandOptions& options) {
-  set_activity(fmt::format("fitting {}", mesh_path));
+FitResult fit_and_report(const MeshSource& mesh, const FitCommandOptions& options) {
+  set_activity(fmt::format("fitting {}", mesh.label));
   Diagnostics diagnostics;
-  FitResult r = fit_with_progress(mesh_path, options, diagnostics);
+  FitResult r = fit_with_progress(mesh, options, diagnostics);
   if (r.lost > 0)
-    diagnostics.warning({mesh_path, 0, 0}, fmt::format("{:.2g} % of the mesh have no surface near: more blobs may help", 100 * r.lost));
+    diagnostics.warning({mesh.label, 0, 0}, fmt::format("{:.2g} % of the mesh have no surface near: more blobs may help", 100 * r.lost));
   if (r.spurs > 0)
-    diagnostics.warning({mesh_path, 0, 0},
+    diagnostics.warning({mesh.label, 0, 0},
                         fmt::format("the field sticks out by 2 % of the diagonal over {:.2g} % of the mesh", 100 * r.spurs));
   Box3d box;
   for (const Blob& b : r.blobs) box.extend(Vec3d(b.centre));
   if (const double step = float_step_in(box); step > k_coarse_step)
     diagnostics.warning(
-        {mesh_path, 0, 0},
+        {mesh.label, 0, 0},
         fmt::format("it lies so far from the origin that the places of blobs are rounded to {:.2g} of its size; move it there", step));
   print_warnings(diagnostics);
   print_message(fmt::format(
-      "{}: {} blobs, off by {:.3f} % of the diagonal (rms; at most {:.2f} %); {}\n", mesh_path, r.blobs.size(), 100 * r.rms, 100 * r.max,
+      "{}: {} blobs, off by {:.3f} % of the diagonal (rms; at most {:.2f} %); {}\n", mesh.label, r.blobs.size(), 100 * r.rms, 100 * r.max,
       r.is_cached ? std::string("from the cache") : fmt::format("sphere tree {:.1f} s, fit {:.1f} s", r.sphere_tree_s, r.fit_s)));
   return r;
 }
@@ -90,7 +93,7 @@ FitResult fit_and_report(const std::string& mesh_path, const FitCommandOptions& 
 void add_fit(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("fit", "fit blobs to a mesh");
   auto options = std::make_shared<FitArguments>();
-  command.add_option("MESH", options->mesh, "an OBJ, PLY, OFF or STL file")->required();
+  command.add_option("MESH", options->mesh, k_mesh_sources)->required();
   command.add_option("-o,--output", options->output, "the cloud: a PLY file of vertices x y z radius weight")
       ->required()
       ->check(ends_in(".ply"));
@@ -99,7 +102,9 @@ void add_fit(CLI::App& app) {
   command.add_option("-j,--threads", options->threads, "accepted everywhere; a fit takes one thread")->check(CLI::Range(0, 4096));
   command.add_option("--stats", options->stats, "write the figures to a JSON file");
   add_progress_option(command, options->progress);
-  command.footer("Example:\n  kelpie fit bunny.obj -o bunny_blobs.ply --blobs 500 --stats fit.json");
+  command.footer("Examples:\n"
+                 "  kelpie fit bunny.obj -o bunny_blobs.ply --blobs 500 --stats fit.json\n"
+                 "  kelpie fit vases.json:amphora -o amphora_blobs.ply");
   command.callback([=] { fit(*options); });
 }
 

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "cli/mesh_source.h"
 #include "cli/progress.h"
 #include "morph/liquid/fit.h"
 
@@ -21,6 +22,6 @@ struct FitCommandOptions {
 void add_fit_options(CLI::App& command, FitCommandOptions& options);
 
 /// Fits the mesh (or takes the fit from the cache); prints warnings and one line of figures to stderr.
-FitResult fit_and_report(const std::string& mesh_path, const FitCommandOptions& options);
+FitResult fit_and_report(const MeshSource& mesh, const FitCommandOptions& options);
 
 } // namespace kelpie

@@ -88,8 +88,16 @@ double best_turn(const BlobCloud& cloud, const BlobCloud& other) {
   return best;
 }
 
+/// "first", "23rd"
+std::string ordinal(size_t place) {
+  constexpr std::array k_words{"first", "second", "third", "fourth", "fifth", "sixth"};
+  if (place < k_words.size()) return k_words[place];
+  const size_t n = place + 1, last = n / 10 % 10 == 1 ? 0 : n % 10;
+  return fmt::format("{}{}", n, last == 1 ? "st" : last == 2 ? "nd" : last == 3 ? "rd" : "th");
+}
+
 /// What lies far from nearly all of a mesh decides how large it is shown.
-void warn_of_specks(const LiquidEnd& end, const char* which) {
+void warn_of_specks(const LiquidEnd& end, size_t place) {
   constexpr double k_dot = 0.1;
   const Box3 bulk = extent_of(end.fit).bulk;
   const double share = double(bulk.diagonal()) / bounding_box(end.mesh).diagonal(); // a speck may have no blob
@@ -98,7 +106,23 @@ void warn_of_specks(const LiquidEnd& end, const char* which) {
   print_message(fmt::format(
       "warning: nearly all of the {} mesh, around ({:.4g}, {:.4g}, {:.4g}), is {:.2g} of its size: a speck far from it makes it "
       "a dot; remove what is small and far away\n",
-      which, c.x, c.y, c.z, share));
+      ordinal(place), c.x, c.y, c.z, share));
+}
+
+/// Where they stand, as they are turned.
+void place(std::span<LiquidEnd> ends) {
+  const Extent first = measure(ends[0].mesh, ends[0].placement);
+  const double first_size = first.box.diagonal(); // a fitted mesh has an extent
+  double largest = 0;
+  for (LiquidEnd& end : ends) {
+    const Extent own = measure(end.mesh, end.placement);
+    // The factor of this mesh relative to the first. What was fitted encloses something.
+    const double by_size = first_size / own.box.diagonal(), by_volume = std::cbrt(first.volume / own.volume);
+    end.placement.scale = std::clamp(by_volume, by_size / k_most_size_ratio, by_size * k_most_size_ratio);
+    end.placement.foot = foot_of(own.box);
+    largest = std::max(largest, end.placement.scale * own.box.diagonal());
+  }
+  for (LiquidEnd& end : ends) end.placement.scale *= k_size / largest;
 }
 
 } // namespace
@@ -126,22 +150,15 @@ std::string Placement::placed_text(std::string field) const {
   return fmt::format(R"({{ "kind": "translate", "by": [{:.9g}, {:.9g}, {:.9g}], "child": {} }})", by.x, by.y, by.z, field);
 }
 
-void place_together(LiquidEnd& from, LiquidEnd& to, std::optional<double> turn) {
-  warn_of_specks(from, "first"), warn_of_specks(to, "second");
-  const auto place = [&] {
-    const Extent first = measure(from.mesh, from.placement), second = measure(to.mesh, to.placement);
-    const double size_a = first.box.diagonal(), size_b = second.box.diagonal(), by_size = size_a / size_b; // a fitted mesh has an extent
-    // The factor of the second mesh relative to the first. What was fitted encloses something.
-    const double by_volume = std::cbrt(first.volume / second.volume);
-    const double ratio = std::clamp(by_volume, by_size / k_most_size_ratio, by_size * k_most_size_ratio);
-    from.placement.scale = k_size / std::max(size_a, ratio * size_b), to.placement.scale = from.placement.scale * ratio;
-    from.placement.foot = foot_of(first.box), to.placement.foot = foot_of(second.box);
-  };
-  to.placement.turn = turn.value_or(0);
-  place();
+void place_together(std::span<LiquidEnd> ends, std::optional<double> turn) {
+  for (size_t i = 0; i < ends.size(); ++i) warn_of_specks(ends[i], i);
+  for (LiquidEnd& end : ends.subspan(1)) end.placement.turn = turn.value_or(0);
+  place(ends);
   if (turn) return;
-  to.placement.turn = best_turn(to.placement.placed(to.fit), from.placement.placed(from.fit));
-  place();
+  for (size_t i = 1; i < ends.size(); ++i) {
+    ends[i].placement.turn = best_turn(ends[i].placement.placed(ends[i].fit), ends[i - 1].placement.placed(ends[i - 1].fit));
+    place(ends);
+  }
 }
 
 } // namespace kelpie

@@ -1,7 +1,8 @@
-// One end of a liquid morph: a mesh, the blobs fitted to it, and where they stand in the scene.
+// An end of a passage of a liquid: a mesh, the blobs fitted to it, and where they stand in the scene.
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 
 #include "base/affine.h"
@@ -30,15 +31,17 @@ struct Placement {
 
 struct LiquidEnd {
   std::string path; ///< of the mesh's file
+  std::string name; ///< for names of files
   double weld = 0;  ///< as in MeshOptions
   Mesh mesh;        ///< in its coordinates, as the fit
   BlobCloud fit;
   Placement placement; ///< `up` is given, the rest is found by place_together
 };
 
-/// Brings both ends to one volume (as far as their sizes stay within a factor of 1.5), the larger one 3 units across, centred above the
-/// origin, standing on y = 0. Meshes are measured as they are, not their fits. The second one is turned about the vertical by `turn`
-/// degrees or, where that is not said, so that both lie in one another best, if that is much better than as it stands.
-void place_together(LiquidEnd& from, LiquidEnd& to, std::optional<double> turn);
+/// Brings all ends to the volume of the first (as far as their sizes stay within a factor of 1.5 of its own), the largest one 3 units
+/// across, centred above the origin, standing on y = 0. Meshes are measured as they are, not their fits. All but the first are turned about
+/// the vertical by `turn` degrees or, where that is not said, each so that it lies best in the one before it, if that is much better than
+/// as it stands.
+void place_together(std::span<LiquidEnd> ends, std::optional<double> turn);
 
 } // namespace kelpie

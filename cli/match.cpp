@@ -34,14 +34,24 @@ MatchedLiquid matched(const LiquidMorph& morph, const SourcePosition& where) {
   return liquid;
 }
 
+/// Each passage of it by itself.
+std::vector<MatchedLiquid> matched(const LiquidChain& chain, const SourcePosition& where) {
+  std::vector<MatchedLiquid> all;
+  for (const LiquidMorph& morph : chain.passages()) {
+    all.push_back(matched(morph, where));
+    all.back().passage = all.size(), all.back().passages = chain.passages().size();
+  }
+  return all;
+}
+
 std::vector<MatchedLiquid> liquids_of(const Scene& scene) {
-  std::map<const FieldNode*, MatchedLiquid> found;
+  std::map<const FieldNode*, std::vector<MatchedLiquid>> found;
   for (const Shape& shape : scene.shapes) {
     const auto visit = [&]<class Kind>(const FieldNode& node, const Kind& kind, const auto&...) {
       if constexpr (std::is_same_v<Kind, Liquid<AnimatedMode>>) {
         if (!found.count(&node)) found.emplace(&node, matched(*kind.morph, node.where));
-        MatchedLiquid& liquid = found.at(&node);
-        if (liquid.shapes.empty() || liquid.shapes.back() != shape.name) liquid.shapes.push_back(shape.name);
+        for (MatchedLiquid& liquid : found.at(&node))
+          if (liquid.shapes.empty() || liquid.shapes.back() != shape.name) liquid.shapes.push_back(shape.name);
       }
       return 0;
     };
@@ -51,8 +61,9 @@ std::vector<MatchedLiquid> liquids_of(const Scene& scene) {
     }
   }
   std::vector<MatchedLiquid> liquids;
-  for (auto& [node, liquid] : found) liquids.push_back(std::move(liquid));
-  const auto place = [](const MatchedLiquid& l) { return std::tuple(l.where.file, l.where.line, l.where.column); };
+  for (auto& [node, of_node] : found)
+    for (MatchedLiquid& liquid : of_node) liquids.push_back(std::move(liquid));
+  const auto place = [](const MatchedLiquid& l) { return std::tuple(l.where.file, l.where.line, l.where.column, l.passage); };
   std::sort(liquids.begin(), liquids.end(), [&](const MatchedLiquid& a, const MatchedLiquid& b) { return place(a) < place(b); });
   return liquids;
 }

@@ -133,7 +133,7 @@ std::string match_picture(const MatchReport& r) {
   }
   for (const MatchedLiquid& liquid : r.liquids) {
     drawings.push_back(drawing_of(liquid));
-    drawings.back().title = fmt::format("{}: liquid of {}", to_string(liquid.where), fmt::join(liquid.shapes, ", "));
+    drawings.back().title = title_of(liquid);
   }
   return svg_of(drawings);
 }

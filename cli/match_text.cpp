@@ -91,7 +91,8 @@ Json json_of(const MatchedLiquid& liquid) {
   Json parts = Json::array();
   for (size_t i = 0; i < liquid.from.size(); ++i)
     parts.push_back({{"amount", amounts[i]}, {"from", json_of(liquid.from[i])}, {"to", json_of(liquid.to[i])}});
-  return {{"kind", "liquid"}, {"where", to_string(liquid.where)}, {"shapes", liquid.shapes}, {"parts", parts}};
+  return {{"kind", "liquid"},          {"where", to_string(liquid.where)}, {"shapes", liquid.shapes},
+          {"passage", liquid.passage}, {"passages", liquid.passages},      {"parts", parts}};
 }
 
 std::string summary_of(const GrownTree& tree) {
@@ -105,6 +106,11 @@ std::string summary_of(const GrownTree& tree) {
 }
 
 } // namespace
+
+std::string title_of(const MatchedLiquid& liquid) {
+  const std::string passage = liquid.passages > 1 ? fmt::format(", passage {} of {}", liquid.passage, liquid.passages) : "";
+  return fmt::format("{}: liquid of {}{}", to_string(liquid.where), fmt::join(liquid.shapes, ", "), passage);
+}
 
 std::vector<double> amounts_of(const MatchedLiquid& liquid) {
   std::vector<double> amounts;
@@ -135,8 +141,7 @@ std::string match_json(const MatchReport& r) {
 std::string match_summary(const MatchReport& r) {
   std::string text;
   for (const GrownTree& tree : r.trees) text += summary_of(tree);
-  for (const MatchedLiquid& liquid : r.liquids)
-    text += fmt::format("{}: liquid of {}: {} parts\n", to_string(liquid.where), fmt::join(liquid.shapes, ", "), liquid.from.size());
+  for (const MatchedLiquid& liquid : r.liquids) text += fmt::format("{}: {} parts\n", title_of(liquid), liquid.from.size());
   return text;
 }
 

@@ -10,11 +10,12 @@
 
 namespace kelpie {
 
-/// A liquid in the scene, as the parts into which its two clouds are cut.
+/// A passage of a liquid in the scene, as the parts into which its two clouds are cut.
 struct MatchedLiquid {
   SourcePosition where;
-  std::vector<std::string> shapes; ///< those that it is in
-  BlobCloud from, to;              ///< at the beginning and at the end, of as many parts in the same order
+  std::vector<std::string> shapes;  ///< those that it is in
+  BlobCloud from, to;               ///< at the beginning and at the end, of as many parts in the same order
+  size_t passage = 1, passages = 1; ///< which, of so many
 };
 
 struct MatchReport {
@@ -25,6 +26,9 @@ struct MatchReport {
 
   double frame_of(const GrownTree& tree) const { return frame ? *frame : tree.match.frame; }
 };
+
+/// "liquid of drop, passage 1 of 2"
+std::string title_of(const MatchedLiquid&);
 
 /// The potential's mass |W| R^3 of each part at the beginning, in shares of all.
 std::vector<double> amounts_of(const MatchedLiquid&);

@@ -25,7 +25,7 @@ constexpr double k_orbit_from = -10, k_orbit_to = 30, k_side = 18;
 constexpr double k_dolly_from = 1.08, k_dolly_to = 0.95;
 /// How much of the picture the subject fills, and how much it never exceeds.
 constexpr double k_height_share = 2.0 / 3, k_width_share = 0.8, k_most_share = 0.92;
-/// The camera's keys; between two of them its way is smooth.
+/// The camera's keys for each passage of the subject; between two of them its way is smooth.
 constexpr int k_intervals = 8;
 
 Vec3d direction_from_subject(double side_degrees) {
@@ -60,24 +60,29 @@ View fitted(const std::vector<Vec3>& points, const Vec3d& towards, double aspect
   return view;
 }
 
-/// The mean of a sequence's neighbours at `i`, weighted by a bell a few moments wide: a subject that twitches does not shake the camera.
-View smoothed(const std::vector<View>& views, size_t i, double width) {
+/// The mean of a sequence's neighbours at `i`, weighted by a bell a few moments wide: a subject that twitches does not shake the camera. In
+/// a loop the first comes after the one before the last.
+View smoothed(const std::vector<View>& views, size_t i, double width, bool is_loop) {
   View mean{Vec3d(0), Vec3d(0), 0};
   double sum = 0;
-  for (size_t j = 0; j < views.size(); ++j) {
-    const double x = (double(j) - double(i)) / width, weight = std::exp(-0.5 * x * x);
+  const double period = double(views.size() - 1);
+  for (size_t j = 0; j + size_t(is_loop) < views.size(); ++j) {
+    double away = double(j) - double(i);
+    if (is_loop) away = std::remainder(away, period);
+    const double x = away / width, weight = std::exp(-0.5 * x * x);
     mean.look_at += weight * views[j].look_at, mean.distance += weight * views[j].distance, sum += weight;
   }
   return {mean.look_at / sum, views[i].towards, mean.distance / sum};
 }
 
-std::vector<View> views_of(const std::vector<SubjectMoment>& moments, CameraMove move, double aspect) {
+std::vector<View> views_of(const std::vector<SubjectMoment>& moments, CameraMove move, double aspect, bool is_loop) {
   std::vector<Vec3> all;
   if (move == CameraMove::still)
     for (const SubjectMoment& m : moments) all.insert(all.end(), m.points.begin(), m.points.end());
   std::vector<View> views;
   for (size_t i = 0; i < moments.size(); ++i) {
-    const double t = moments.size() > 1 ? double(i) / double(moments.size() - 1) : 0.5;
+    const double way = moments.size() > 1 ? double(i) / double(moments.size() - 1) : 0.5;
+    const double t = is_loop ? 0.5 - 0.5 * std::cos(2 * std::numbers::pi * way) : way; // there and back
     const double side = move == CameraMove::orbit ? std::lerp(k_orbit_from, k_orbit_to, t) : k_side;
     views.push_back(fitted(move == CameraMove::still ? all : moments[i].points, direction_from_subject(side), aspect));
     if (move == CameraMove::dolly) views.back().distance *= std::lerp(k_dolly_from, k_dolly_to, t);
@@ -96,10 +101,11 @@ double safety(const CameraPath& path, const std::vector<SubjectMoment>& moments,
   return std::max(1.0, most / k_most_share);
 }
 
-Animated<Vec3> smooth_curve(const std::vector<CameraKey>& keys, Vec3d CameraKey::*value) {
+Animated<Vec3> smooth_curve(const std::vector<CameraKey>& keys, Vec3d CameraKey::*value, bool is_loop) {
   std::vector<Key<Vec3>> list;
   for (const CameraKey& key : keys) list.push_back({key.frame, Vec3(key.*value), {}});
-  return {std::move(list), Interpolation::spline};
+  const Outside outside = is_loop ? Outside::cycle : Outside::hold;
+  return {std::move(list), Interpolation::spline, {outside, outside}};
 }
 
 std::string text_of(const Animated<Vec3>& curve) {
@@ -107,7 +113,8 @@ std::string text_of(const Animated<Vec3>& curve) {
   if (curve.is_constant()) return text(curve.at(0));
   std::vector<std::string> keys;
   for (const Key<Vec3>& k : curve.curve()->keys()) keys.push_back(fmt::format("\n      [{:g}, {}]", k.frame, text(k.value)));
-  return fmt::format("{{ \"interpolation\": \"spline\", \"keys\": [{}\n    ] }}", fmt::join(keys, ","));
+  const char* outside = curve.curve()->ends().after == Outside::cycle ? R"("before": "cycle", "after": "cycle", )" : "";
+  return fmt::format("{{ \"interpolation\": \"spline\", {}\"keys\": [{}\n    ] }}", outside, fmt::join(keys, ","));
 }
 
 } // namespace
@@ -126,8 +133,9 @@ PictureBox covered(const std::vector<Vec3>& points, const CameraKey& camera, dou
   return box;
 }
 
-CameraPath::CameraPath(std::vector<CameraKey> keys)
-    : keys_(std::move(keys)), position_(smooth_curve(keys_, &CameraKey::position)), look_at_(smooth_curve(keys_, &CameraKey::look_at)) {}
+CameraPath::CameraPath(std::vector<CameraKey> keys, bool is_loop)
+    : keys_(std::move(keys)), position_(smooth_curve(keys_, &CameraKey::position, is_loop)),
+      look_at_(smooth_curve(keys_, &CameraKey::look_at, is_loop)) {}
 
 CameraKey CameraPath::at(double frame) const { return {frame, Vec3d(position_.at(frame)), Vec3d(look_at_.at(frame))}; }
 
@@ -136,18 +144,20 @@ std::string CameraPath::text() const {
                      text_of(look_at_), k_fov_degrees);
 }
 
-CameraPath follow(const std::vector<SubjectMoment>& moments, CameraMove move, double aspect) {
-  const std::vector<View> views = views_of(moments, move, aspect);
-  const double step = double(views.size() - 1) / k_intervals; // moments between two keys
+CameraPath follow(const std::vector<SubjectMoment>& moments, CameraMove move, double aspect, const FollowOptions& o) {
+  const std::vector<View> views = views_of(moments, move, aspect, o.is_loop);
+  const int intervals = views.size() > 1 ? k_intervals * o.passages : 0;
+  const double step = double(views.size() - 1) / (k_intervals * o.passages); // moments between two keys
   const auto path = [&](double factor) {
     std::vector<CameraKey> keys;
-    for (int k = 0; k <= (views.size() > 1 ? k_intervals : 0); ++k) {
+    for (int k = 0; k <= intervals; ++k) {
       const size_t i = size_t(std::lround(k * step));
-      View view = views.size() > 1 ? smoothed(views, i, step / 2) : views.front();
+      View view = views.size() > 1 ? smoothed(views, i, step / 2, o.is_loop) : views.front();
       view.distance *= factor;
       keys.push_back(view.key(moments[i].frame));
     }
-    return CameraPath(std::move(keys));
+    if (o.is_loop && keys.size() > 1) keys.back() = {keys.back().frame, keys.front().position, keys.front().look_at}; // but for rounding
+    return CameraPath(std::move(keys), o.is_loop);
   };
   return path(safety(path(1), moments, aspect));
 }

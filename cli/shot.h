@@ -13,8 +13,8 @@
 namespace kelpie {
 
 enum class CameraMove {
-  orbit, ///< a slow arc around the subject
-  dolly, ///< a slow approach
+  orbit, ///< a slow arc around the subject; in a loop there and back
+  dolly, ///< a slow approach; in a loop it retreats as well
   still, ///< one place, from which all moments fit the picture
 };
 
@@ -35,13 +35,13 @@ struct CameraKey {
   Vec3d position{0}, look_at{0};
 };
 
-/// A camera on its way; between keys it moves on Catmull-Rom splines, before and after them it stands.
+/// A camera on its way; between keys it moves on Catmull-Rom splines, before and after them it stands, or goes in a cycle.
 class CameraPath {
 public:
   static constexpr double k_fov_degrees = 22; ///< vertical
 
-  /// Not empty.
-  explicit CameraPath(std::vector<CameraKey> keys);
+  /// Not empty. In a loop the last is the first, a cycle later.
+  explicit CameraPath(std::vector<CameraKey> keys, bool is_loop = false);
 
   CameraKey at(double frame) const;
   /// The camera of a scene file, as JSON. The shutter is open for half a frame.
@@ -63,8 +63,12 @@ struct PictureBox {
 PictureBox covered(const std::vector<Vec3>& points, const CameraKey& camera, double aspect);
 
 /// A camera that holds the subject in the picture at all of its moments, at about two thirds of the picture's height, or less where it
-/// is too wide for that. The moments ascend, at equal distances.
-CameraPath follow(const std::vector<SubjectMoment>& moments, CameraMove move, double aspect);
+/// is too wide for that. The moments ascend, at equal distances; in a loop the last one is the first again.
+struct FollowOptions {
+  int passages = 1; ///< that the subject has one after the other: a way has keys for each
+  bool is_loop = false;
+};
+CameraPath follow(const std::vector<SubjectMoment>& moments, CameraMove move, double aspect, const FollowOptions& options = {});
 
 /// The lights of a scene file, as JSON, for a subject about 3 units across that stands on the origin: the sweep of a photographer.
 std::string shot_lights_text();

@@ -97,7 +97,8 @@ using FieldFolderKinds = KindList< //
 // What a sampled kind can be asked, and so how the engine treats it:
 
 /// Yields blobs: `void append_blobs(BlobCloud&) const`. If their number or order depends on its parameters it has
-/// `append_parts` too: the same field of as many blobs, in the same order, whatever these are.
+/// `static uint32_t append_parts(moments, clouds)` too: the same fields, of as many blobs in the same order at all moments that are
+/// compiled together, or at one; and the number of the first blob, by which it knows them (LeafIdentity::part).
 template <class K>
 concept BlobSource = requires(const K k, BlobCloud out) {
   k.append_blobs(out);

@@ -164,7 +164,7 @@ private:
 
 /// How many elements something that was loaded is, beside the node that holds it.
 size_t element_count(const BlobCloud& cloud) { return cloud.size(); }
-size_t element_count(const LiquidMorph& morph) { return morph.part_count(); }
+size_t element_count(const LiquidChain& chain) { return chain.part_count(); }
 size_t element_count(const DistanceGrid&) { return 0; }
 size_t element_count(const SubdivisionMesh&) { return 0; } // its pieces are another frame's others
 

@@ -1,5 +1,7 @@
 #include "scene/load_assets.h"
 
+#include <algorithm>
+
 #include "field/clouds/cloud_file.h"
 
 namespace kelpie {
@@ -29,9 +31,13 @@ private:
   void load(Blobs<AnimatedMode>& k, const SourcePosition&) { k.cloud = cloud(k.file); }
 
   void load(Liquid<AnimatedMode>& k, const SourcePosition& where) {
-    const CloudPtr from = cloud(k.from), to = cloud(k.to);
-    if (!from || !to) return;
-    attempt(where, [&] { k.morph = std::make_shared<const LiquidMorph>(*from, *to, k.correspondence, k.volume, k.ends); });
+    std::vector<CloudPtr> row{cloud(k.from)};
+    for (const AssetPath& file : k.through) row.push_back(cloud(file));
+    row.push_back(cloud(k.to));
+    std::vector<const BlobCloud*> clouds;
+    for (const CloudPtr& one : row) clouds.push_back(one.get());
+    if (std::count(clouds.begin(), clouds.end(), nullptr) > 0) return;
+    attempt(where, [&] { k.morph = std::make_shared<const LiquidChain>(clouds, k.correspondence, k.volume, k.ends); });
   }
 
   void load(TriangleMesh<AnimatedMode>& k, const SourcePosition&) {

@@ -183,6 +183,14 @@ TEST_F(Match, SaysHowMuchOfALiquidFlowsWhere) {
   EXPECT_NEAR(sum, 1, 1e-9);
   ASSERT_EQ(kelpie("match scene.json -o out.svg").status, 0);
   EXPECT_NE(read_file_bytes(path("out.svg")).find("scene.json:2:28: liquid of drop"), std::string::npos);
+  // Each passage by itself.
+  const Outcome o =
+      kelpie("match scene.json -o out.json --set 'shapes.drop.field.through=[\"b.ply\"]' --set 'shapes.drop.field.to=\"a.ply\"'");
+  EXPECT_NE(o.out.find("liquid of drop, passage 2 of 2: 2 parts\n"), std::string::npos) << o.out << o.err;
+  const Json both = Json::parse(read_file_bytes(path("out.json")))["matches"];
+  ASSERT_EQ(both.size(), 2u);
+  EXPECT_EQ(both[1]["passage"], 2);
+  EXPECT_EQ(both[1]["parts"][0]["to"]["centre"], (Json{0, 0, 0}));
 }
 
 TEST_F(Match, DrawsBothEnds) {

@@ -182,7 +182,7 @@ TEST(Materials, FlowWithALiquid) {
   const auto cloud = [](float x) { return BlobCloud{{Vec3(x, 0, 0), 1, 2, Falloff::quartic}, {Vec3(x, 0.6f, 0), 1, 2, Falloff::quartic}}; };
   for (const float progress : {0.f, 0.25f, 1.f}) {
     Liquid<SampledMode> liquid;
-    liquid.morph = std::make_shared<LiquidMorph>(cloud(-1), cloud(1), Correspondence::transport, VolumeRule::free);
+    liquid.morph = std::make_shared<LiquidChain>(cloud(-1), cloud(1), Correspondence::transport, VolumeRule::free);
     liquid.progress = progress, liquid.from_material = {7}, liquid.to_material = {8};
     Rotate<SampledMode> turned; // materials live in the space of the liquid
     turned.axis = Vec3(0, 1, 0), turned.angle = 90;

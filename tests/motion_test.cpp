@@ -147,6 +147,61 @@ TEST(MovingTracer, AxesStandInTheMiddleOfASlab) {
   }
 }
 
+// Where a liquid is matched anew while the shutter is open its parts go on: each moment is what it is by itself, in as few slabs as if
+// nothing had been matched there. Where several passages fall into one shutter there are more of them, and what is seen is as right.
+TEST(MovingTracer, LiquidsFlowThroughInnerEnds) {
+  const auto row_at = [](const Vec3& from, const Vec3& to, int count, Falloff falloff) {
+    BlobCloud cloud;
+    for (int i = 0; i < count; ++i) cloud.push_back({glm::mix(from, to, float(i) / float(count - 1)), 0.7f - 0.02f * float(i), 2, falloff});
+    return cloud;
+  };
+  const BlobCloud a = row_at({-1, 0, 0}, {1, 0, 0}, 6, Falloff::quartic), b = row_at({0, -1, 0}, {0, 1.2f, 0}, 9, Falloff::cubic),
+                  c = row_at({-0.5f, -0.5f, 0}, {1, 0.5f, 0.3f}, 5, Falloff::quartic);
+  for (const Correspondence how : {Correspondence::flow, Correspondence::transport})
+    for (const bool is_fast : {false, true}) {
+      SCOPED_TRACE(is_fast);
+      const std::array<const BlobCloud*, 3> few{&a, &b, &c};
+      const std::array<const BlobCloud*, 7> many{&a, &b, &c, &b, &a, &b, &c};
+      Liquid<SampledMode> liquid;
+      liquid.morph = is_fast ? std::make_shared<const LiquidChain>(many, how, VolumeRule::linear)
+                             : std::make_shared<const LiquidChain>(few, how, VolumeRule::linear);
+      const auto at = [&](double time) {
+        liquid.progress = is_fast ? float(0.1 + 0.8 * time) : float(0.48 + 0.05 * time);
+        SampledField field;
+        add(field, liquid);
+        FrameScene scene = scene_of(field);
+        scene.frame = time;
+        return scene;
+      };
+      FrameScene moving = at(0.5);
+      moving.camera.shutter = 1, moving.moment = at;
+      const Tracer tracer(moving);
+      if (!is_fast) EXPECT_LE(tracer.slab_count(), 4u);
+      double most = 0;
+      int hits = 0, wrong = 0;
+      for (int i = 0; i < 16; ++i) {
+        const double time = (i + 0.5) / 16;
+        const Tracer still(at(time));
+        for (int k = 0; k < 200; ++k) {
+          Random r(unsigned(1000 * i + k));
+          Ray ray;
+          ray.origin = Vec3(float(r.uniform(-1.2, 1.2)), float(r.uniform(-1.2, 1.2)), 5), ray.direction = Vec3(0, 0, -1),
+          ray.time = float(time);
+          SolveCounters counters;
+          Hit hit, expected;
+          const bool is_hit = tracer.intersect(ray, counters, hit);
+          if (is_hit != still.intersect(ray, counters, expected))
+            ++wrong; // at a silhouette
+          else if (is_hit)
+            ++hits, most = std::max(most, std::abs(double(hit.t) - double(expected.t)));
+        }
+      }
+      EXPECT_GT(hits, 500);
+      EXPECT_LE(wrong, hits / 100);
+      EXPECT_LT(most, is_fast ? 0.2 : 0.03);
+    }
+}
+
 // A ray's answer does not depend on its packet, to the last bit, whatever the times of the others.
 TEST(MovingTracer, APacketIsNoMoreThanItsRays) {
   for (const CloudMotion moves : {CloudMotion::centres, CloudMotion::everything}) {

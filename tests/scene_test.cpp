@@ -68,6 +68,12 @@ TEST(Reader, RefusesWrongFields) {
       {R"({"kind":"scale","by":"x","child":{"kind":"point","centre":[0,0,0],"radius":1}})",
        "scene.json:2:22: by: expected [x, y, z] or a number for all three, found a string"},
       {R"({"kind":"liquid","from":"cloud.ply","to":"cloud.ply","progress":2})", "scene.json:2:65: progress must be >= 0 and <= 1, found 2"},
+      {R"({"kind":"liquid","from":"cloud.ply","to":"cloud.ply","progress":0,"through":"cloud.ply"})",
+       "scene.json:2:78: through: expected a list, found a string"},
+      {R"({"kind":"liquid","from":"cloud.ply","to":"cloud.ply","progress":0,"through":["cloud.ply",3]})",
+       "scene.json:2:91: through: expected a path, found a number"},
+      {R"({"kind":"liquid","from":"cloud.ply","to":"cloud.ply","progress":0,"through":["cloud.ply","no.ply"]})",
+       "scene.json:2:91: through: \"no.ply\" does not exist"},
       {R"({"kind":"liquid","from":"cloud.ply","to":"cloud.ply","progress":0,"correspondence":"hierarchical"})",
        "scene.json:2:84: correspondence: \"hierarchical\" is known but not built yet"},
   };
@@ -88,7 +94,8 @@ TEST(Reader, RefusesWrongCurves) {
       {R"({"keys":[[1,1,1]]})", "scene.json:2:15: threshold: derivatives need \"interpolation\": \"hermite\""},
       {R"({"keys":[[1,1,1,1,1,1,1]],"interpolation":"hermite"})", "scene.json:2:10: threshold: more than 4 derivatives"},
       {R"({"keys":[[1,1,true]],"interpolation":"hermite"})", "scene.json:2:15: threshold: expected a number, found true"},
-      {R"({"keys":[[1,1,{"before":1}]],"interpolation":"hermite"})", "scene.json:2:25: before: expected a list of derivatives, found a number"},
+      {R"({"keys":[[1,1,{"before":1}]],"interpolation":"hermite"})",
+       "scene.json:2:25: before: expected a list of derivatives, found a number"},
       {R"({"keys":[[1,1,{"befor":[1]}]],"interpolation":"hermite"})", "scene.json:2:16: unknown key \"befor\" (did you mean \"before\"?)"},
       {R"({"keys":[[1,1,{"after":[1]},2]],"interpolation":"hermite"})",
        "scene.json:2:29: threshold: nothing follows the derivatives of both sides"},
@@ -294,6 +301,14 @@ TEST(Reader, LoadsCloudsOnce) {
   EXPECT_EQ(a.cloud, b.cloud);
   EXPECT_EQ(a.cloud->at(0).weight, 1.5f);
   EXPECT_TRUE(std::get<Liquid<AnimatedMode>>(children[2]->kind).morph);
+}
+
+TEST(Reader, LetsALiquidFlowThroughClouds) {
+  const Scene scene = SceneFolder().read(
+      scene_with_field(R"({"kind":"liquid","from":"cloud.ply","through":["./cloud.ply","cloud.ply"],"to":"cloud.ply","progress":0.5})"));
+  const auto& liquid = std::get<Liquid<AnimatedMode>>(scene.shapes[0].field->kind);
+  ASSERT_TRUE(liquid.morph);
+  EXPECT_EQ(liquid.morph->passages().size(), 3u);
 }
 
 TEST(Reader, IsNeverDark) {

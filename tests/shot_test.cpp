@@ -97,5 +97,33 @@ TEST(Shot, TheOrbitGoesAroundTheSubject) {
   }
 }
 
+/// A box that grows and shrinks again.
+std::vector<SubjectMoment> breathing_box(int intervals) {
+  std::vector<SubjectMoment> moments;
+  for (int i = 0; i <= intervals; ++i) {
+    const double t = double(i) / intervals, swing = std::sin(2 * 3.14159265358979 * t);
+    moments.push_back({1 + 96 * t, box_at(Vec3(0.5 * swing, 0, 0), Vec3(1, 1.5 + 0.5 * swing, 1))});
+  }
+  return moments;
+}
+
+// Frame 97 is frame 1, and the way goes on smoothly across it, again and again.
+TEST(Shot, ALoopCloses) {
+  for (const CameraMove move : k_moves) {
+    const CameraPath path = follow(breathing_box(64), move, 16.0 / 9, {2, true});
+    EXPECT_EQ(path.keys().size(), move == CameraMove::still ? 1u : 17u);
+    for (const double frame : {0.75, 1.0, 1.3, 40.0}) {
+      EXPECT_EQ(path.at(frame).position, path.at(frame + 96).position) << frame;
+      EXPECT_EQ(path.at(frame).look_at, path.at(frame + 96).look_at) << frame;
+    }
+    const auto way = [&](double from, double to) { return path.at(to).position - path.at(from).position; };
+    EXPECT_LT(glm::length(way(96.5, 97) - way(97, 97.5)), 0.005);
+    for (const SubjectMoment& m : breathing_box(96)) expect_inside(covered(m.points, path.at(m.frame), 16.0 / 9));
+    if (move == CameraMove::still) continue;
+    EXPECT_GT(glm::length(way(1, 49)), 0.1) << "there and back";
+    EXPECT_NE(path.text().find("\"before\": \"cycle\", \"after\": \"cycle\""), std::string::npos);
+  }
+}
+
 } // namespace
 } // namespace kelpie

@@ -14,8 +14,8 @@ namespace kelpie {
 
 namespace {
 
-/// Gains are found at this many equal steps: half a frame of a morph of two seconds.
-constexpr int k_gain_steps = 64;
+/// Gains are found at this many equal steps: a frame of a morph of a second.
+constexpr int k_gain_steps = 32;
 
 /// Ways are led aside at this many, fully from this progress on, from either end.
 constexpr int k_spread_steps = 24;
@@ -46,10 +46,16 @@ T lerp(T a, T b, float u) {
 
 float cube(float x) { return x * x * x; }
 
+float smooth_step(float x) {
+  const float v = std::clamp(x, 0.f, 1.f);
+  return v * v * (3 - 2 * v);
+}
+
 } // namespace
 
-LiquidMorph::LiquidMorph(const BlobCloud& from, const BlobCloud& to, Correspondence how, VolumeRule rule, LiquidEnds ends)
-    : from_(from), to_(to), how_(how), ends_(ends) {
+LiquidMorph::LiquidMorph(const BlobCloud& from, const BlobCloud& to, Correspondence how, VolumeRule rule, LiquidEnds at_from,
+                         LiquidEnds at_to)
+    : from_(from), to_(to), how_(how), at_from_(at_from), at_to_(at_to) {
   for (const Blob& b : from_) box_.extend(support(b));
   for (const Blob& b : to_) box_.extend(support(b));
   drop_radius_ = k_drop * box_.diagonal();
@@ -74,37 +80,34 @@ void LiquidMorph::add_parts(const std::vector<Link>& links, const BodyGraph* bod
   for (const Link& l : links) {
     const Blob &a = from_[l.from], &b = to_[l.to];
     const std::vector<Vec3d> way = bodies ? bodies->way(l.from, l.to) : std::vector<Vec3d>{Vec3d(a.centre), Vec3d(b.centre)};
-    parts_.push_back({end(a, l.from_share), end(b, l.to_share), l.from_share, l.to_share, flow_path(way)});
+    parts_.push_back({end(a, l.from_share), end(b, l.to_share), l, flow_path(way)});
   }
-  for (uint32_t i = 0; i < parts_.size(); ++i) part_of_blob_.insert(part_of_blob_.end(), is_of_two_falloffs(parts_[i]) ? 2 : 1, i);
+  for (uint32_t i = 0; i < parts_.size(); ++i) part_of_blob_.insert(part_of_blob_.end(), is_of_two_falloffs(i) ? 2 : 1, i);
 }
 
 void LiquidMorph::append_blobs(float progress, BlobCloud& out) const {
-  if (is_molten())
-    append_parts(progress, gain_at(progress), out);
-  else if (progress <= 0)
+  if (progress <= 0 && !is_molten(at_from_))
     out.insert(out.end(), from_.begin(), from_.end());
-  else if (progress >= 1)
+  else if (progress >= 1 && !is_molten(at_to_))
     out.insert(out.end(), to_.begin(), to_.end());
   else
     append_parts(progress, gain_at(progress), out);
 }
 
-/// 0 at an exact end, from which `u` counts, 1 from k_parting on; smooth.
-float LiquidMorph::away_from_end(float u) const {
-  if (is_molten()) return 1;
-  const float v = std::clamp(u / k_parting, 0.f, 1.f);
-  return v * v * (3 - 2 * v);
-}
+/// 0 at the beginning, if that is exact, 1 from k_parting on; smooth.
+float LiquidMorph::away_from(float u) const { return is_molten(at_from_) ? 1 : smooth_step(u / k_parting); }
+
+/// The same of the end.
+float LiquidMorph::away_to(float u) const { return is_molten(at_to_) ? 1 : smooth_step((1 - u) / k_parting); }
 
 /// On the way a part has the volume of its share of its blob, and no less than a drop's: what is smaller spreads until it is no surface of
 /// its own, and shows only where it meets others. So crumbs do not fly, and thin limbs are drawn in and out. Near the ends, where the
 /// parts of a blob are still, or again, together, it has the blob's radius.
 float LiquidMorph::flow_radius(const Part& p, float u) const {
   const float a = std::log(p.from.radius), b = std::log(p.to.radius);
-  const float own_a = a + std::min(0.f, std::log(k_spread * std::cbrt(p.from_share)));
-  const float own_b = b + std::min(0.f, std::log(k_spread * std::cbrt(p.to_share)));
-  const float left = away_from_end(u), arriving = away_from_end(1 - u);
+  const float own_a = a + std::min(0.f, std::log(k_spread * std::cbrt(p.link.from_share)));
+  const float own_b = b + std::min(0.f, std::log(k_spread * std::cbrt(p.link.to_share)));
+  const float left = away_from(u), arriving = away_to(u);
   const float radius = std::exp(lerp(own_a, own_b, u) + (a - own_a) * (1 - left) + (b - own_b) * (1 - arriving));
   return std::cbrt(cube(radius) + cube(drop_radius_ * left * arriving));
 }
@@ -113,7 +116,7 @@ float LiquidMorph::flow_radius(const Part& p, float u) const {
 SymmetricMat3 LiquidMorph::form(const Part& p, float u) const {
   const SymmetricMat3 straight = between(p.from.form, p.to.form, u);
   if (how_ != Correspondence::flow) return straight;
-  return between(straight, SymmetricMat3{}, away_from_end(u) * away_from_end(1 - u));
+  return between(straight, SymmetricMat3{}, away_from(u) * away_to(u));
 }
 
 Blob LiquidMorph::interpolate(const Part& p, float u, float gain) const {
@@ -133,15 +136,10 @@ Blob LiquidMorph::interpolate(const Part& p, float u, float gain) const {
 }
 
 void LiquidMorph::append_parts(float u, float gain, BlobCloud& out) const {
-  for (const Part& p : parts_) {
-    Blob b = interpolate(p, u, gain);
-    if (is_of_two_falloffs(p)) { // they dissolve into one another
-      Blob other = b;
-      other.falloff = p.to.falloff, other.weight *= u;
-      out.push_back(other);
-      b.weight *= 1 - u;
-    }
-    out.push_back(b);
+  for (size_t i = 0; i < parts_.size(); ++i) {
+    const PartBlobs part = part_at(i, u, gain);
+    if (part.other) out.push_back(*part.other);
+    out.push_back(part.blob);
   }
 }
 
@@ -158,16 +156,27 @@ void LiquidMorph::spread_parts() {
     const float u = static_cast<float>(step) / k_spread_steps;
     std::vector<LiquidPart> parts = parts_at(u);
     for (size_t i = 0; i < parts.size(); ++i) parts[i].wanted = lerp(first[i], last[i], double(u));
-    const auto away = [](float from_end) {
-      const float v = std::clamp(from_end / k_spread_from, 0.f, 1.f);
-      return double(v * v * (3 - 2 * v));
-    };
-    const double share = away(u) * away(1 - u);
+    const double share = smooth_step(u / k_spread_from) * smooth_step((1 - u) / k_spread_from);
     const std::vector<Vec3d> evened = share > 0 ? spread(parts) : std::vector<Vec3d>(parts.size());
     for (size_t i = 0; i < parts.size(); ++i)
       ways[i][static_cast<size_t>(step)] = parts[i].centre + (share > 0 ? share * (evened[i] - parts[i].centre) : Vec3d(0));
   });
   for (size_t i = 0; i < parts_.size(); ++i) parts_[i].path = Spline<Vec3d>::catmull_rom(ways[i]);
+}
+
+LiquidMorph::PartBlobs LiquidMorph::part_at(size_t part, float u, float gain) const {
+  const Part& p = parts_[part];
+  PartBlobs out{interpolate(p, u, gain), {}};
+  if (!is_of_two_falloffs(part)) return out;
+  out.other = out.blob; // they dissolve into one another
+  out.other->falloff = p.to.falloff, out.other->weight *= u;
+  out.blob.weight *= 1 - u;
+  return out;
+}
+
+/// Of so many equal steps those at which something is to be found: exact ends are as they are.
+std::pair<int, int> LiquidMorph::free_steps(int steps) const {
+  return {is_molten(at_from_) ? 0 : 1, is_molten(at_to_) ? steps + 1 : steps};
 }
 
 /// Finds each part's own factor, at equal steps of progress. Without it parts that meet in a neck pile up; one common factor that makes
@@ -179,14 +188,14 @@ void LiquidMorph::find_balance() {
     return potentials_at_centres(cloud);
   };
   const std::vector<double> first = wanted_of(0), last = wanted_of(1);
-  const int ends = is_molten() ? 0 : 1; // exact ends are as they are
+  const auto [begin, end] = free_steps(k_balance_steps);
   std::vector<std::vector<double>> logarithms(parts_.size(), std::vector<double>(k_balance_steps + 1, 0.0));
-  parallel_for(ends, k_balance_steps + 1 - ends, [&](int step) {
+  parallel_for(begin, end, [&](int step) {
     const float u = static_cast<float>(step) / k_balance_steps;
     BlobCloud cloud;
     append_parts(u, 1, cloud);
     std::vector<double> wanted(first.size());
-    const double on_the_way = away_from_end(u) * away_from_end(1 - u);
+    const double on_the_way = away_from(u) * away_to(u);
     for (size_t i = 0; i < wanted.size(); ++i) {
       const double between = lerp(first[i], last[i], double(u));
       wanted[i] = std::min(between, lerp(between, k_most_on_the_way, on_the_way));
@@ -203,8 +212,8 @@ void LiquidMorph::find_gains() {
   const double first = grid.volume(from_), last = grid.volume(to_);
   if (first == 0 || last == 0) return; // an end without a surface: nothing to be linear between
   std::vector<double> gains(k_gain_steps + 1, 1.0);
-  const int ends = is_molten() ? 0 : 1;
-  parallel_for(ends, k_gain_steps + 1 - ends, [&](int i) {
+  const auto [begin, end] = free_steps(k_gain_steps);
+  parallel_for(begin, end, [&](int i) {
     const float u = static_cast<float>(i) / k_gain_steps;
     BlobCloud cloud;
     append_parts(u, 1, cloud);

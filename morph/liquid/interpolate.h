@@ -49,17 +49,15 @@ struct EnumNames<LiquidEnds> {
       {{"exact", LiquidEnds::exact}, {"molten", LiquidEnds::molten}}};
 };
 
-/// Where the matter of a blob was at the beginning and will be at the end.
-struct BlobFlow {
-  Vec3 from{0}, to{0}; ///< centres
-};
-
 /// Two clouds, cut into parts that are paired one to one.
 class LiquidMorph {
 public:
   /// Neither cloud may be empty. Takes some tenths of a second for clouds of some hundred blobs with
   /// VolumeRule::linear; the result does not depend on the number of threads.
-  LiquidMorph(const BlobCloud& from, const BlobCloud& to, Correspondence, VolumeRule, LiquidEnds = LiquidEnds::exact);
+  LiquidMorph(const BlobCloud& from, const BlobCloud& to, Correspondence how, VolumeRule rule, LiquidEnds ends = LiquidEnds::exact)
+      : LiquidMorph(from, to, how, rule, ends, ends) {}
+  /// Of which only one end may be molten.
+  LiquidMorph(const BlobCloud& from, const BlobCloud& to, Correspondence, VolumeRule, LiquidEnds at_from, LiquidEnds at_to);
 
   /// Appends the blobs at `progress` in [0, 1]: at 0 exactly `from`, at 1 exactly `to` (LiquidEnds::exact), and the field
   /// changes continuously in between. Centres move linearly. With Correspondence::cellular so do the radius e, the
@@ -70,11 +68,25 @@ public:
   /// The same field, but for rounding, cut into the same parts at every progress.
   void append_parts(float progress, BlobCloud& out) const { append_parts(progress, gain_at(progress), out); }
   size_t part_count() const { return parts_.size(); }
-  /// The way of one of the blobs that append_parts appends (append_blobs too, but at the ends).
-  BlobFlow flow_of(uint32_t blob) const {
-    const Part& part = parts_[part_of_blob_[blob]];
-    return {part.from.centre, part.to.centre};
-  }
+  /// Which blobs become one another as this part.
+  const Link& link(size_t part) const { return parts_[part].link; }
+  Falloff falloff_from(size_t part) const { return parts_[part].from.falloff; }
+  Falloff falloff_to(size_t part) const { return parts_[part].to.falloff; }
+  bool is_of_two_falloffs(size_t part) const { return falloff_from(part) != falloff_to(part); }
+  /// Of which part each of the blobs is that append_parts appends.
+  const std::vector<uint32_t>& part_of_blob() const { return part_of_blob_; }
+  /// The factor of all weights that keeps the volume linear.
+  float gain_at(float progress) const;
+
+  /// A part is a blob, and another in the same place where it goes over into another falloff: that of its end.
+  struct PartBlobs {
+    Blob blob;
+    std::optional<Blob> other;
+  };
+  /// At a progress of which gain_at is known.
+  PartBlobs part_at(size_t part, float progress, float gain) const;
+  const BlobCloud& from() const { return from_; }
+  const BlobCloud& to() const { return to_; }
 
 private:
   struct End {
@@ -87,28 +99,28 @@ private:
   };
   struct Part {
     End from, to;
-    float from_share = 1, to_share = 1;      ///< of its blobs
+    Link link;
     Spline<Vec3d> path;                      ///< of its centre
     std::optional<Spline<double>> balance{}; ///< the logarithm of its weight's own factor; none: 1
   };
-  static bool is_of_two_falloffs(const Part& p) { return p.from.falloff != p.to.falloff; }
   Blob interpolate(const Part&, float progress, float gain) const;
   void append_parts(float progress, float gain, BlobCloud& out) const;
   void add_parts(const std::vector<Link>&, const BodyGraph*);
-  bool is_molten() const { return how_ == Correspondence::flow && ends_ == LiquidEnds::molten; }
-  float away_from_end(float progress) const;
+  bool is_molten(LiquidEnds end) const { return how_ == Correspondence::flow && end == LiquidEnds::molten; }
+  float away_from(float progress) const;
+  float away_to(float progress) const;
   SymmetricMat3 form(const Part&, float progress) const;
   float flow_radius(const Part&, float progress) const;
+  std::pair<int, int> free_steps(int steps) const;
   void spread_parts();
   void find_balance();
   void find_gains();
-  float gain_at(float progress) const;
 
   BlobCloud from_, to_;
   Box3 box_;              ///< of the supports of both
   float drop_radius_ = 0; ///< the least radius of influence on the way
   Correspondence how_;
-  LiquidEnds ends_;
+  LiquidEnds at_from_, at_to_;
   std::vector<Part> parts_;
   std::vector<uint32_t> part_of_blob_; ///< of what append_parts appends
   std::optional<Spline<double>> gain_; ///< the factor of all weights that keeps the volume linear; none: 1

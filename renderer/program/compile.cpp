@@ -220,8 +220,8 @@ private:
   void add_blobs(uint32_t index, const View& view, Sum& sum) {
     std::vector<BlobCloud> clouds(moments_.size());
     std::vector<double> scales;
+    const uint32_t first_part = append_blobs<Kind>(index, clouds);
     for (size_t i = 0; i < moments_.size(); ++i) {
-      append_blobs(node<Kind>(i, index), clouds[i]);
       if (const auto scale = similarity_scale(view.space_from_here[i].linear)) scales.push_back(*scale);
     }
     const bool is_folded = scales.size() == moments_.size();
@@ -232,7 +232,7 @@ private:
     for (size_t j = 0; j < clouds[0].size(); ++j) {
       if (std::all_of(clouds.begin(), clouds.end(), [&](const BlobCloud& c) { return c[j].weight == 0; })) continue;
       list.push_back(static_cast<uint32_t>(first().blobs.size()));
-      if (options_.with_identities) identities_.push_back({index, static_cast<uint32_t>(j), place});
+      if (options_.with_identities) identities_.push_back({index, first_part + static_cast<uint32_t>(j), place});
       for (size_t i = 0; i < moments_.size(); ++i) moments_[i].blobs.push(clouds[i][j]);
     }
   }
@@ -247,11 +247,14 @@ private:
     blob.radius = static_cast<float>(blob.radius * scale);
   }
 
+  /// Those of each moment; returns the number of the first.
   template <class Kind>
-  void append_blobs(const Kind& kind, BlobCloud& out) const {
-    if constexpr (requires { kind.append_parts(out); })
-      if (moments_.size() > 1) return kind.append_parts(out);
-    kind.append_blobs(out);
+  uint32_t append_blobs(uint32_t index, std::vector<BlobCloud>& clouds) const {
+    std::vector<const Kind*> kinds;
+    for (size_t i = 0; i < moments_.size(); ++i) kinds.push_back(&node<Kind>(i, index));
+    if constexpr (requires { Kind::append_parts(kinds, clouds); }) return Kind::append_parts(kinds, clouds);
+    for (size_t i = 0; i < moments_.size(); ++i) kinds[i]->append_blobs(clouds[i]);
+    return 0;
   }
 
   /// One step for a finished sum; returns its position.

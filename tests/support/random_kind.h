@@ -168,9 +168,13 @@ Kind<SampledMode> random_kind(Random& r) {
     mesh.levels = {level};
     kind.mesh = std::make_shared<const SubdivisionMesh>(std::move(mesh));
   }
-  if constexpr (requires { kind.morph; })
-    kind.morph = std::make_shared<const LiquidMorph>(random_cloud(r, 1 + r.below(9), 0.5), random_cloud(r, 1 + r.below(9), 0.5),
-                                                     kind.correspondence, kind.volume, kind.ends);
+  if constexpr (requires { kind.morph; }) { // through up to two others
+    std::vector<BlobCloud> clouds;
+    for (int i = r.below(3) + 2; i > 0; --i) clouds.push_back(random_cloud(r, 1 + r.below(9), 0.5));
+    std::vector<const BlobCloud*> row;
+    for (const BlobCloud& cloud : clouds) row.push_back(&cloud);
+    kind.morph = std::make_shared<const LiquidChain>(row, kind.correspondence, kind.volume, kind.ends);
+  }
   return kind;
 }
 
