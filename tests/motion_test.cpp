@@ -147,8 +147,8 @@ TEST(MovingTracer, AxesStandInTheMiddleOfASlab) {
   }
 }
 
-// Where a liquid is matched anew while the shutter is open its parts go on: each moment is what it is by itself, in as few slabs as if
-// nothing had been matched there. Where several passages fall into one shutter there are more of them, and what is seen is as right.
+// Where a liquid is matched anew while the shutter is open its parts go on: each moment is what it is by itself, in few slabs if it rests
+// there. Where several passages fall into one shutter there are more of them, and what is seen is as right.
 TEST(MovingTracer, LiquidsFlowThroughInnerEnds) {
   const auto row_at = [](const Vec3& from, const Vec3& to, int count, Falloff falloff) {
     BlobCloud cloud;
@@ -166,7 +166,7 @@ TEST(MovingTracer, LiquidsFlowThroughInnerEnds) {
       liquid.morph = is_fast ? std::make_shared<const LiquidChain>(many, how, VolumeRule::linear)
                              : std::make_shared<const LiquidChain>(few, how, VolumeRule::linear);
       const auto at = [&](double time) {
-        liquid.progress = is_fast ? float(0.1 + 0.8 * time) : float(0.48 + 0.05 * time);
+        liquid.progress = float(is_fast ? 0.1 + 0.8 * time : 0.5 + 0.1 * (time - 0.5) * std::abs(time - 0.5)); // it rests there, or not
         SampledField field;
         add(field, liquid);
         FrameScene scene = scene_of(field);
@@ -176,7 +176,7 @@ TEST(MovingTracer, LiquidsFlowThroughInnerEnds) {
       FrameScene moving = at(0.5);
       moving.camera.shutter = 1, moving.moment = at;
       const Tracer tracer(moving);
-      if (!is_fast) EXPECT_LE(tracer.slab_count(), 4u);
+      EXPECT_LE(tracer.slab_count(), is_fast ? 32u : 16u);
       double most = 0;
       int hits = 0, wrong = 0;
       for (int i = 0; i < 16; ++i) {
