@@ -11,6 +11,7 @@ namespace kelpie {
 struct SurfaceSample {
   Vec3d position{0};
   Vec3d normal{0};
+  Vec3d smooth{0}; ///< the mean of the normals of its corners, which are those of the triangles around them by area
 };
 inline const Vec3d& place_of(const SurfaceSample& sample) { return sample.position; }
 
