@@ -30,7 +30,7 @@ EllipsoidSolver make_solver(const std::vector<FitSample>& samples) {
   const auto add = [&](const Vec3d& p, Probe probe) { places.push_back(p), probes.push_back(probe); };
   for (const FitSample& s : samples) {
     const auto [a, b] = across(s.smooth);
-    add(s.position, {has_normal(s) ? Probe::Kind::normal : Probe::Kind::surface, {a, b}});
+    add(s.position, {has_normal(s) ? Probe::Kind::normal : Probe::Kind::surface, {a, b, s.smooth}});
   }
   for (size_t i = 0; i < samples.size(); ++i) {
     const FitSample& s = samples[i];
@@ -119,13 +119,13 @@ void EllipsoidFitter::split_worst(std::vector<Ellipsoid>& blobs, size_t wanted) 
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(m); // ascending: the first is the longest
     const Eigen::Vector3d e = solver.eigenvectors().col(0);
     const double half = 1 / solver.eigenvalues()[0];
-    static const double shrink = knob("SHRINK", 0.65), shift = knob("SHIFT", 0.4);
+    static const double shrink = knob("SHRINK", 0.8), shift = knob("SHIFT", 0.27);
     const Eigen::Matrix3d narrower = m + (1 / shrink - 1) / half * e * e.transpose();
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) b.to_ball[j][i] = narrower(i, j);
     Ellipsoid other = b;
     const Vec3d away = shift * half * Vec3d(e[0], e[1], e[2]);
-    static const double weigh = knob("WEIGH", 1.0);
+    static const double weigh = knob("WEIGH", 0.62);
     b.log_weight += std::log(weigh), other.log_weight = b.log_weight;
     b.centre += away, other.centre -= away;
     blobs.push_back(other);
@@ -133,7 +133,7 @@ void EllipsoidFitter::split_worst(std::vector<Ellipsoid>& blobs, size_t wanted) 
 }
 
 std::vector<Ellipsoid> EllipsoidFitter::fit(size_t wanted, const std::function<void(double)>& progress) const {
-  const auto first = static_cast<size_t>(knob("FIRST", 0.6) * double(wanted));
+  const auto first = static_cast<size_t>(knob("FIRST", 0.85) * double(wanted));
   report("samples", {});
   std::vector<Ellipsoid> blobs = start_ellipsoids(samples_, area_, first);
   report("clusters", blobs);

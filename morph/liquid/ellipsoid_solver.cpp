@@ -26,7 +26,11 @@ constexpr double k_linear_goal = 0.05;
 constexpr double k_least_weight = 0.05, k_most_weight = 16;
 
 /// Half axes: the least, the most, and how many times the shortest the others may be.
-constexpr double k_least_half_axis = 0.004, k_most_half_axis = 0.6, k_most_aspect = 10;
+double knob_(const char* name, double usual) {
+  const char* s = std::getenv(name);
+  return s ? std::atof(s) : usual;
+}
+const double k_least_half_axis = knob_("LEAST", 0.0015), k_most_half_axis = 0.6, k_most_aspect = knob_("ASPECT", 30);
 
 /// A blob's unknowns: place (3, in its unit ball), increment of the map (6: xx yy zz xy xz yz), log W; two for padding.
 constexpr int k_unknowns = 10, k_padded = 12;
@@ -214,7 +218,16 @@ double distance_estimate(const BlobValue& f) { return (f.value - 1) / std::max(g
 struct EllipsoidSolver::Scales {
   std::vector<double> value, slope, level;
   std::vector<int8_t> side; ///< 0: both count, 1: only an excess, -1: only a lack
+  std::vector<char> is_turned; ///< where the gradient looks inward: then its component along the normal counts as well
 };
+
+int EllipsoidSolver::rows_of(const Scales& s, size_t i) const { return s.slope[i] > 0 ? s.is_turned[i] ? 4 : 3 : 1; }
+
+/// Across the normal the slope should be 0; along it, where it is turned, that of the field outward from a surface: 1 / k_unit_angle.
+double EllipsoidSolver::slope_error(const Scales& s, size_t i, int axis, const Vec3d& gradient) const {
+  const double slope = glm::dot(probes_[i].axes[size_t(axis)], gradient) * s.slope[i];
+  return axis < 2 ? slope : slope + 0.5 / k_unit_angle;
+}
 
 EllipsoidSolver::EllipsoidSolver(std::vector<Vec3d> places, std::vector<Probe> probes)
     : places_(std::move(places)), probes_(std::move(probes)), grid_(places_) {}
@@ -245,6 +258,7 @@ EllipsoidSolver::Scales EllipsoidSolver::scales(const std::vector<BlobValue>& su
     case Probe::Kind::inside: value = k_inside_depth / k_unit_distance, level = k_inside_level, side = -1; break;
     }
     s.value.push_back(value), s.slope.push_back(slope), s.level.push_back(level), s.side.push_back(side);
+    s.is_turned.push_back(slope > 0 && glm::dot(sums[i].gradient, probes_[i].axes[2]) > -0.3 * steepness);
   }
   return s;
 }
@@ -254,11 +268,10 @@ double EllipsoidSolver::cost(const std::vector<BlobValue>& sums, const Scales& s
   for (size_t i = 0; i < sums.size(); ++i) {
     const double excess = sums[i].value - s.level[i];
     if (s.side[i] == 0 || excess * s.side[i] > 0) cost += excess * excess * s.value[i] * s.value[i];
-    if (s.slope[i] > 0)
-      for (const Vec3d& t : probes_[i].tangents) {
-        const double slope = glm::dot(t, sums[i].gradient) * s.slope[i];
-        cost += slope * slope;
-      }
+    for (int t = 1; t < rows_of(s, i); ++t) {
+      const double slope = slope_error(s, i, t - 1, sums[i].gradient);
+      cost += slope * slope;
+    }
   }
   return cost;
 }
@@ -275,7 +288,7 @@ void EllipsoidSolver::improve(std::vector<Ellipsoid>& blobs, int steps) const {
     std::vector<char> is_idle(places_.size(), 0);
     for (size_t i = 0; i < places_.size(); ++i) {
       is_idle[i] = scale.side[i] != 0 && (sums[i].value - scale.level[i]) * scale.side[i] <= 0;
-      j.residual[i + 1] = j.residual[i] + (is_idle[i] ? 0 : scale.slope[i] > 0 ? 3 : 1);
+      j.residual[i + 1] = j.residual[i] + static_cast<uint32_t>(is_idle[i] ? 0 : rows_of(scale, i));
     }
     for (const Ellipsoid& b : blobs)
       grid_.visit_in(b, [&](uint32_t i, const Vec3d&) { j.first[i + 1] += !is_idle[i]; });
@@ -292,15 +305,14 @@ void EllipsoidSolver::improve(std::vector<Ellipsoid>& blobs, int steps) const {
         const int n = j.rows_of(i);
         const uint32_t row = first_row[i] + (next[i] - j.first[i]) * static_cast<uint32_t>(n);
         j.entries[next[i]++] = {b, row};
-        differentiate(blobs[b], u, scale.value[i], probes_[i].tangents.data(), scale.slope[i], n, &j.rows[row]);
+        differentiate(blobs[b], u, scale.value[i], probes_[i].axes.data(), scale.slope[i], n, &j.rows[row]);
       });
     j.residuals.resize(j.residual.back());
     for (size_t i = 0; i < places_.size(); ++i) {
       if (is_idle[i]) continue;
       float* r = &j.residuals[j.residual[i]];
       r[0] = static_cast<float>((sums[i].value - scale.level[i]) * scale.value[i]);
-      if (scale.slope[i] > 0)
-        for (int t = 0; t < 2; ++t) r[1 + t] = static_cast<float>(glm::dot(probes_[i].tangents[t], sums[i].gradient) * scale.slope[i]);
+      for (int t = 1; t < rows_of(scale, i); ++t) r[t] = static_cast<float>(slope_error(scale, i, t - 1, sums[i].gradient));
     }
     const NormalEquations equations(j, blobs.size());
     bool is_better = false;

@@ -11,7 +11,7 @@ namespace kelpie {
 /// What is known of the shape at a point.
 struct Probe {
   enum class Kind : uint8_t { surface, normal, outside, inside } kind = Kind::surface; ///< `normal`: of the surface, and its normal is known
-  std::array<Vec3d, 2> tangents{}; ///< unit vectors across the normal
+  std::array<Vec3d, 3> axes{}; ///< unit vectors: two across the normal, and the normal
 };
 
 /// The distance (a share of the diagonal) and the angle's sine that count as one unit of error.
@@ -39,6 +39,8 @@ public:
 private:
   struct Scales;
   Scales scales(const std::vector<BlobValue>&) const;
+  int rows_of(const Scales&, size_t probe) const;
+  double slope_error(const Scales&, size_t probe, int axis, const Vec3d& gradient) const;
   double cost(const std::vector<BlobValue>&, const Scales&) const;
 
   std::vector<Vec3d> places_;

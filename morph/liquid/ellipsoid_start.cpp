@@ -26,12 +26,12 @@ constexpr double k_layers[] = {1.0 / 6, 1.0 / 2, 5.0 / 6};
 
 class Clusters {
 public:
-  Clusters(std::span<const FitSample> samples, double spacing, size_t count) : samples_(samples) {
-    const double depth = knob("DEPTH", 0.5) * spacing;
+  Clusters(std::span<const FitSample> samples, double spacing, size_t count) : samples_(samples), spacing_(spacing) {
+    const double depth = knob("DEPTH", 0.4) * spacing;
     for (const FitSample& s : samples) {
       depth_.push_back(std::min(s.inner, 2 * depth));
       places_.push_back(s.position - std::min(s.inner, depth) * s.normal);
-      static const double in = knob("ADAPT", 0), out = knob("ADAPTOUT", 0);
+      static const double in = knob("ADAPT", 0.5), out = knob("ADAPTOUT", 0);
       finer_.push_back(std::clamp(std::pow(s.inner / (2 * spacing), in) * std::pow(s.outer / k_most_outer, out), 0.4, 2.0));
     }
     seed(count);
@@ -55,6 +55,7 @@ private:
     Eigen::Matrix3d inverse;
     double log_determinant = 0;
     size_t members = 0;
+    double depth = 0; ///< the mean of its members'
   };
 
   /// Places no two of which are nearer than others, about `count`.
@@ -108,7 +109,7 @@ private:
         for (const double layer : k_layers) {
           const Vec3d p = samples_[i].position - layer * depth_[i] * samples_[i].normal;
           if (pass == 0) {
-            c.centre += p, ++c.members;
+            c.centre += p, ++c.members, c.depth += depth_[i];
           } else {
             const Vec3d d = p - c.centre;
             const Eigen::Vector3d v(d.x, d.y, d.z);
@@ -117,13 +118,13 @@ private:
         }
       }
       for (Cluster& c : clusters_)
-        if (c.members > 0 && pass == 0) c.centre /= double(c.members);
+        if (c.members > 0 && pass == 0) c.centre /= double(c.members), c.depth /= double(c.members);
     }
     for (size_t k = 0; k < clusters_.size(); ++k) {
       Cluster& c = clusters_[k];
       if (c.members == 0) continue;
       c.covariance /= double(c.members);
-      c.covariance += 1e-6 * Eigen::Matrix3d::Identity();
+      c.covariance += 1e-8 * Eigen::Matrix3d::Identity();
       if (c.members < 3 * k_least_members) c.covariance += Eigen::Matrix3d::Identity() * (c.covariance.trace() / 9);
       c.inverse = c.covariance.inverse();
       c.log_determinant = std::log(c.covariance.determinant());
@@ -148,11 +149,12 @@ private:
     }
   }
 
-  static Ellipsoid ellipsoid(const Cluster& c) {
+  Ellipsoid ellipsoid(const Cluster& c) const {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(c.covariance);
     const Eigen::Vector3d deviation = solver.eigenvalues().cwiseSqrt(); // ascending
     Eigen::Vector3d half;
-    static const double thin = knob("THIN", 3.0), wide = knob("WIDE", 4.6);
+    static const double thin_whole = knob("THINWHOLE", 3.2), thin_shell = knob("THIN", 6), wide = knob("WIDE", 8);
+    const double thin = thin_whole + (thin_shell - thin_whole) * std::min(1.0, c.depth / (knob("THICK", 0.4) * spacing_));
     for (int k = 0; k < 3; ++k) half[k] = deviation[k] * (thin + (wide - thin) * std::clamp(deviation[k] / deviation[0] - 1, 0.0, 1.0));
     const Eigen::Matrix3d root = solver.eigenvectors() * half.cwiseInverse().asDiagonal() * solver.eigenvectors().transpose();
     Ellipsoid e;
@@ -164,6 +166,7 @@ private:
   }
 
   std::span<const FitSample> samples_;
+  double spacing_;
   std::vector<double> depth_; ///< down to which the clusters reach
   std::vector<Vec3d> places_; ///< below the samples: what is divided into clusters
   std::vector<double> finer_;

@@ -28,7 +28,7 @@ double free_ball(const TriangleTree& tree, const Vec3d& p, const Vec3d& away, do
 
 std::vector<FitSample> fit_samples(const Mesh& unit, const TriangleTree& tree, size_t count, uint64_t seed) {
   std::vector<FitSample> samples;
-  for (const SurfaceSample& on_surface : spread_samples(unit, count, seed)) {
+  for (const SurfaceSample& on_surface : spread_samples(unit, count, seed, Sides::apart)) {
     FitSample s{on_surface};
     const double through = tree.way_out(s.position - 1e-7 * s.normal, -s.normal, 0.02);
     s.inner = free_ball(tree, s.position, -s.normal, std::min(0.5 * through, k_most_ball));

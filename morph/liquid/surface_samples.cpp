@@ -82,19 +82,21 @@ private:
 class PointGrid {
 public:
   explicit PointGrid(double cell) : cell_(cell) {}
-  bool has_within(const Vec3d& p, double distance) const {
+  /// Of points on the other side of a sheet only if `both_sides` are one.
+  bool has_within(const SurfaceSample& s, double distance, bool both_sides) const {
+    const Vec3d& p = s.position;
     const glm::i64vec3 c = cell_of(p);
     for (int dx = -1; dx <= 1; ++dx)
       for (int dy = -1; dy <= 1; ++dy)
         for (int dz = -1; dz <= 1; ++dz) {
           const auto it = points_.find(key(c + glm::i64vec3(dx, dy, dz)));
           if (it == points_.end()) continue;
-          for (const Vec3d& q : it->second)
-            if (glm::dot(q - p, q - p) < distance * distance) return true;
+          for (const SurfaceSample& q : it->second)
+            if (glm::dot(q.position - p, q.position - p) < distance * distance && (both_sides || glm::dot(q.normal, s.normal) > 0)) return true;
         }
     return false;
   }
-  void add(const Vec3d& p) { points_[key(cell_of(p))].push_back(p); }
+  void add(const SurfaceSample& s) { points_[key(cell_of(s.position))].push_back(s); }
 
 private:
   glm::i64vec3 cell_of(const Vec3d& p) const { return glm::i64vec3(glm::floor(p / cell_)); }
@@ -103,12 +105,12 @@ private:
            (static_cast<uint64_t>(c.z) & 0x1fffff) << 42;
   }
   double cell_;
-  std::unordered_map<uint64_t, std::vector<Vec3d>> points_;
+  std::unordered_map<uint64_t, std::vector<SurfaceSample>> points_;
 };
 
 } // namespace
 
-std::vector<SurfaceSample> spread_samples(const Mesh& mesh, size_t count, uint64_t seed) {
+std::vector<SurfaceSample> spread_samples(const Mesh& mesh, size_t count, uint64_t seed, Sides sides) {
   Sampler sampler(mesh, seed);
   std::vector<SurfaceSample> samples;
   if (!(sampler.area() > 0)) return samples;
@@ -117,8 +119,8 @@ std::vector<SurfaceSample> spread_samples(const Mesh& mesh, size_t count, uint64
   PointGrid grid(distance);
   for (size_t dart = 0; dart < 12 * count && samples.size() < count; ++dart) {
     const SurfaceSample s = sampler.draw();
-    if (grid.has_within(s.position, distance)) continue;
-    grid.add(s.position);
+    if (grid.has_within(s, distance, sides == Sides::together)) continue;
+    grid.add(s);
     samples.push_back(s);
   }
   return samples;
