@@ -1,9 +1,8 @@
-// Blobs as fits see them: ellipsoids.
+// Blobs as fits see them: ellipsoids. Lengths are in units of the shape's diagonal.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
-#include <span>
-#include <vector>
 
 #include "base/vec.h"
 
@@ -16,19 +15,24 @@ struct Ellipsoid {
   double log_weight = 0;
 };
 
-/// A sum of such, or what one of them adds.
+/// What a blob adds to the sum at a point, or the sum.
 struct BlobValue {
   double value = 0;
-  Vec3d gradient{0}; ///< with respect to p
+  Vec3d gradient{0}; ///< with respect to the point
 };
 
-inline void add_value(const Ellipsoid& b, const Vec3d& p, BlobValue& sum) {
-  const Vec3d u = b.to_ball * (p - b.centre);
+/// `u` is where in the unit ball of the blob, whose weight is `weight`, the point is.
+inline void add_value(const Ellipsoid& b, double weight, const Vec3d& u, BlobValue& sum) {
   const double q = 1 - glm::dot(u, u);
   if (q <= 0) return;
-  const double wq = std::exp(b.log_weight) * q;
-  sum.value += wq * q;
-  sum.gradient -= 4 * wq * (u * b.to_ball); // the transpose times u
+  sum.value += weight * q * q;
+  sum.gradient -= 4 * weight * q * (u * b.to_ball); // the transpose times u
 }
+
+/// How steep a field counts as at least: as that of a ball of 0.4 diagonals. Where it is flat, its gradient says nothing.
+inline constexpr double k_least_steepness = 10;
+
+/// Distance of a point with that value from {f = 1}, to first order; positive inside.
+inline double distance_estimate(const BlobValue& f) { return (f.value - 1) / std::max(glm::length(f.gradient), k_least_steepness); }
 
 } // namespace kelpie

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <ctime>
 #include <numeric>
 
 #include <Eigen/Eigenvalues>
@@ -12,40 +10,71 @@
 
 namespace kelpie {
 
-double knob(const char* name, double usual);
-
 namespace {
 
-constexpr double k_outside_distance = 0.02;
+/// Distances outside the surface at which there must be no field.
+constexpr double k_kept_free = 0.02;
+
+/// The share of the blobs that the fit starts with; the others come where the error is largest, in so many splits. Halves of a blob in a
+/// bent sheet leave it: the more of the surface has a sheet below that is thin, as a share of the spacing, the more blobs are there at once.
+constexpr double k_first_share = 0.7, k_first_of_sheets = 0.5, k_most_first = 0.95, k_thin_sheet = 0.15;
+constexpr size_t k_splits = 2;
+
+/// Steps of the solver before each split, and after the last.
+constexpr int k_early_steps = 5, k_late_steps = 10;
+
+/// Of the fillers at first.
+constexpr size_t k_one_filler_in = 4;
+
+constexpr int k_weight_sweeps = 8;
+constexpr double k_weight_step = 0.7, k_least_balanced = 0.1, k_most_balanced = 10;
+
+/// A blob's halves: how long they are, how far from the middle, and what they weigh, as shares; about the same sum.
+constexpr double k_half_length = 0.75, k_half_place = 0.28, k_half_weight = 0.62;
+
+/// The error of one sample counts as no more than so many units.
+constexpr double k_most_error = 10;
 
 std::pair<Vec3d, Vec3d> across(const Vec3d& n) {
-  const Vec3d other = std::abs(n.x) < 0.6 ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0);
-  const Vec3d a = glm::normalize(glm::cross(n, other));
+  const Vec3d a = glm::normalize(glm::cross(n, std::abs(n.x) < 0.6 ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0)));
   return {a, glm::cross(n, a)};
 }
 
+/// The samples, then what is known beside them: the balls that touch the surface are free of it.
 EllipsoidSolver make_solver(const std::vector<FitSample>& samples) {
   std::vector<Vec3d> places;
   std::vector<Probe> probes;
-  const auto add = [&](const Vec3d& p, Probe probe) { places.push_back(p), probes.push_back(probe); };
+  const auto add = [&](const Vec3d& p, const Probe& probe) { places.push_back(p), probes.push_back(probe); };
   for (const FitSample& s : samples) {
     const auto [a, b] = across(s.smooth);
     add(s.position, {has_normal(s) ? Probe::Kind::normal : Probe::Kind::surface, {a, b, s.smooth}});
   }
   for (size_t i = 0; i < samples.size(); ++i) {
     const FitSample& s = samples[i];
-    const double out = std::min(i % 2 ? k_outside_distance : 2 * k_outside_distance, s.outer);
-    if (out > 0.25 * k_outside_distance) add(s.position + out * s.normal, {Probe::Kind::outside, {}});
-    const double in = i % 2 ? s.inner : std::min(0.4 * s.inner, k_outside_distance);
+    const double out = std::min(i % 2 ? k_kept_free : 2 * k_kept_free, s.outer);
+    if (out > 0.25 * k_kept_free) add(s.position + out * s.normal, {Probe::Kind::outside, {}});
+    const double in = i % 2 ? s.inner : std::min(0.4 * s.inner, k_kept_free);
     add(s.position - in * s.normal, {Probe::Kind::inside, {}});
   }
   return EllipsoidSolver(std::move(places), std::move(probes));
 }
 
-double cpu_now() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+/// Divides a blob in two along its longest axis.
+Ellipsoid split(Ellipsoid& b) {
+  Eigen::Matrix3d m;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) m(i, j) = b.to_ball[j][i];
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(m); // ascending: the first axis is the longest
+  const Eigen::Vector3d axis = solver.eigenvectors().col(0);
+  const double stretch = solver.eigenvalues()[0];
+  m += (1 / k_half_length - 1) * stretch * axis * axis.transpose();
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) b.to_ball[j][i] = m(i, j);
+  b.log_weight += std::log(k_half_weight);
+  const Vec3d away = k_half_place / stretch * Vec3d(axis[0], axis[1], axis[2]);
+  Ellipsoid other = b;
+  b.centre += away, other.centre -= away;
+  return other;
 }
 
 } // namespace
@@ -53,106 +82,75 @@ double cpu_now() {
 EllipsoidFitter::EllipsoidFitter(std::vector<FitSample> samples, double area)
     : samples_(std::move(samples)), area_(area), solver_(make_solver(samples_)) {}
 
-void EllipsoidFitter::report(const char* what, const std::vector<Ellipsoid>& blobs) const {
-  const std::vector<BlobValue> sums = solver_.values(blobs);
-  double d2 = 0, a2 = 0;
-  size_t n = 0, hollow = 0, inside = 0, empty = 0, pairs = 0;
-  for (const Ellipsoid& b : blobs) solver_.grid().visit_in(b, [&](uint32_t i, const Vec3d&) { pairs += i < samples_.size(); });
-  for (size_t i = 0; i < sums.size(); ++i) {
-    if (i < samples_.size()) {
-      const double d = distance_estimate(sums[i]);
-      d2 += d * d;
-      if (glm::length(sums[i].gradient) == 0) { ++empty; continue; }
-      if (!has_normal(samples_[i])) continue;
-      const double a = std::acos(std::clamp(-glm::dot(glm::normalize(sums[i].gradient), samples_[i].smooth), -1.0, 1.0));
-      a2 += a * a, ++n;
-    } else if (solver_.probes()[i].kind == Probe::Kind::inside) ++inside, hollow += sums[i].value < 1;
+std::vector<Ellipsoid> EllipsoidFitter::fit(size_t wanted, const std::function<void(double)>& progress) const {
+  const double thin = k_thin_sheet * std::sqrt(area_ / static_cast<double>(wanted));
+  const auto thin_samples = std::count_if(samples_.begin(), samples_.end(), [&](const FitSample& s) { return s.inner < thin; });
+  const double of_sheets = static_cast<double>(thin_samples) / static_cast<double>(samples_.size());
+  const double share = std::min(k_first_share + k_first_of_sheets * of_sheets, k_most_first);
+  const size_t first = std::max<size_t>(1, static_cast<size_t>(share * static_cast<double>(wanted)));
+  std::vector<Ellipsoid> blobs = start_ellipsoids(samples_, area_, first);
+  balance_weights(blobs);
+  const size_t most = std::min(wanted / k_one_filler_in, wanted - std::min(wanted, blobs.size()));
+  for (const Ellipsoid& b : fillers(blobs, samples_, area_, first, most)) blobs.push_back(b);
+  for (size_t i = 0; i <= k_splits; ++i) {
+    if (i > 0) split_worst(blobs, blobs.size() + (wanted - std::min(wanted, blobs.size())) * i / k_splits);
+    solver_.improve(blobs, i == k_splits ? k_late_steps : k_early_steps);
+    progress(double(i + 1) / double(k_splits + 1));
   }
-  std::fprintf(stderr, "%-10s %5zu blobs dist %.5f normals %.2f hollow %zu/%zu empty %zu overlap %.1f cpu %.2f\n", what, blobs.size(), std::sqrt(d2 / samples_.size()),
-               57.29578 * std::sqrt(a2 / n), hollow, inside, empty, double(pairs) / samples_.size(), cpu_now());
+  return blobs;
 }
 
+/// Changes each weight until the sum at the surface is about 1.
 void EllipsoidFitter::balance_weights(std::vector<Ellipsoid>& blobs) const {
-  for (int sweep = 0; sweep < 8; ++sweep) {
+  for (int sweep = 0; sweep < k_weight_sweeps; ++sweep) {
     const std::vector<BlobValue> sums = solver_.values(blobs);
     for (Ellipsoid& b : blobs) {
       double excess = 0, share = 0;
       solver_.grid().visit_in(b, [&](uint32_t i, const Vec3d& u) {
         if (i >= samples_.size()) return;
-        const double q = 1 - glm::dot(u, u), v = q * q;
-        excess += v * std::log(std::max(sums[i].value, 0.1)), share += v;
+        const double q = 1 - glm::dot(u, u);
+        excess += q * q * std::log(std::max(sums[i].value, k_least_balanced)), share += q * q;
       });
-      if (share > 0) b.log_weight = std::clamp(b.log_weight - 0.7 * excess / share, std::log(0.1), std::log(10.0));
+      if (share > 0)
+        b.log_weight = std::clamp(b.log_weight - k_weight_step * excess / share, std::log(k_least_balanced), std::log(k_most_balanced));
     }
   }
 }
 
-void EllipsoidFitter::split_worst(std::vector<Ellipsoid>& blobs, size_t wanted) const {
-  if (wanted <= blobs.size()) return;
-  const std::vector<BlobValue> sums = solver_.values(blobs);
-  std::vector<double> error(samples_.size());
+/// Of the samples, in squares of units.
+std::vector<double> EllipsoidFitter::errors(const std::vector<BlobValue>& sums) const {
+  std::vector<double> all;
   for (size_t i = 0; i < samples_.size(); ++i) {
-    const double d = std::min(std::abs(distance_estimate(sums[i])) / k_unit_distance, 10.0);
-    double a = 0;
-    if (has_normal(samples_[i]) && glm::length(sums[i].gradient) > 0)
-      a = glm::length(glm::cross(glm::normalize(sums[i].gradient), samples_[i].smooth)) / k_unit_angle;
-    error[i] = d * d + a * a;
+    const double distance = std::min(std::abs(distance_estimate(sums[i])) / k_unit_distance, k_most_error);
+    const double steepness = glm::length(sums[i].gradient);
+    double sine = 0;
+    if (has_normal(samples_[i]) && steepness > 0) sine = glm::length(glm::cross(sums[i].gradient, samples_[i].smooth)) / steepness;
+    all.push_back(distance * distance + sine * sine / (k_unit_angle * k_unit_angle));
   }
-  std::vector<double> of_blob(blobs.size(), 0);
+  return all;
+}
+
+/// Splits the blobs that have the largest share in the error.
+void EllipsoidFitter::split_worst(std::vector<Ellipsoid>& blobs, size_t wanted) const {
+  const std::vector<BlobValue> sums = solver_.values(blobs);
+  const std::vector<double> error = errors(sums);
+  std::vector<double> share(blobs.size(), 0);
   for (size_t k = 0; k < blobs.size(); ++k) {
     const double w = std::exp(blobs[k].log_weight);
     solver_.grid().visit_in(blobs[k], [&](uint32_t i, const Vec3d& u) {
       if (i >= samples_.size()) return;
       const double q = 1 - glm::dot(u, u);
-      of_blob[k] += error[i] * w * q * q / std::max(sums[i].value, 0.1);
+      share[k] += error[i] * w * q * q / std::max(sums[i].value, k_least_balanced);
     });
   }
   std::vector<size_t> order(blobs.size());
   std::iota(order.begin(), order.end(), size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return of_blob[a] > of_blob[b]; });
-  const size_t many = std::min(wanted - blobs.size(), blobs.size());
-  for (size_t r = 0; r < many; ++r) {
-    Ellipsoid& b = blobs[order[r]];
-    Eigen::Matrix3d m;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) m(i, j) = b.to_ball[j][i];
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(m); // ascending: the first is the longest
-    const Eigen::Vector3d e = solver.eigenvectors().col(0);
-    const double half = 1 / solver.eigenvalues()[0];
-    static const double shrink = knob("SHRINK", 0.8), shift = knob("SHIFT", 0.27);
-    const Eigen::Matrix3d narrower = m + (1 / shrink - 1) / half * e * e.transpose();
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) b.to_ball[j][i] = narrower(i, j);
-    Ellipsoid other = b;
-    const Vec3d away = shift * half * Vec3d(e[0], e[1], e[2]);
-    static const double weigh = knob("WEIGH", 0.62);
-    b.log_weight += std::log(weigh), other.log_weight = b.log_weight;
-    b.centre += away, other.centre -= away;
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return share[a] > share[b]; });
+  order.resize(std::min(order.size(), wanted - std::min(wanted, blobs.size())));
+  for (const size_t k : order) {
+    const Ellipsoid other = split(blobs[k]);
     blobs.push_back(other);
   }
-}
-
-std::vector<Ellipsoid> EllipsoidFitter::fit(size_t wanted, const std::function<void(double)>& progress) const {
-  const auto first = static_cast<size_t>(knob("FIRST", 0.85) * double(wanted));
-  report("samples", {});
-  std::vector<Ellipsoid> blobs = start_ellipsoids(samples_, area_, first);
-  report("clusters", blobs);
-  balance_weights(blobs);
-  report("balanced", blobs);
-  const std::vector<Ellipsoid> more = fillers(blobs, samples_, knob("FILLMIN", 0.7) * std::sqrt(area_ / double(first)), wanted / 4);
-  blobs.insert(blobs.end(), more.begin(), more.end());
-  report("filled", blobs);
-  const int splits = int(knob("SPLITS", 2));
-  solver_.improve(blobs, int(knob("STEPS0", 4)));
-  report("improved", blobs);
-  for (int s = 1; s <= splits; ++s) {
-    split_worst(blobs, blobs.size() + (wanted - std::min(wanted, blobs.size())) * size_t(s) / size_t(splits));
-    report("split", blobs);
-    solver_.improve(blobs, int(s == splits ? knob("STEPS", 8) : knob("STEPS0", 4)));
-    report("improved", blobs);
-    progress(double(s) / splits);
-  }
-  return blobs;
 }
 
 } // namespace kelpie

@@ -13,6 +13,7 @@ namespace kelpie {
 
 class ProbeGrid {
 public:
+  /// The points outlive it.
   explicit ProbeGrid(const std::vector<Vec3d>& points) : points_(points) {
     for (const Vec3d& p : points) box_.extend(p);
     const Vec3d extent = box_.extent() + 1e-6;
