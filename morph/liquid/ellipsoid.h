@@ -29,6 +29,17 @@ inline void add_value(const Ellipsoid& b, double weight, const Vec3d& u, BlobVal
   sum.gradient -= 4 * weight * q * (u * b.to_ball); // the transpose times u
 }
 
+/// Half the box around it, along an axis.
+inline double half_extent(const Mat3d& from_ball, int axis) {
+  return std::sqrt(from_ball[0][axis] * from_ball[0][axis] + from_ball[1][axis] * from_ball[1][axis] + from_ball[2][axis] * from_ball[2][axis]);
+}
+
+/// The radius of a ball that holds the ellipsoid: at most sqrt(3) times its longest half axis.
+inline double reach_of(const Ellipsoid& b) {
+  const Mat3d from_ball = glm::inverse(b.to_ball);
+  return std::sqrt(glm::dot(from_ball[0], from_ball[0]) + glm::dot(from_ball[1], from_ball[1]) + glm::dot(from_ball[2], from_ball[2]));
+}
+
 /// How steep a field counts as at least: as that of a ball of 0.4 diagonals. Where it is flat, its gradient says nothing.
 inline constexpr double k_least_steepness = 10;
 

@@ -34,7 +34,7 @@ public:
     const Mat3d from_ball = glm::inverse(b.to_ball);
     int low[3], high[3];
     for (int k = 0; k < 3; ++k) {
-      const double half = std::sqrt(from_ball[0][k] * from_ball[0][k] + from_ball[1][k] * from_ball[1][k] + from_ball[2][k] * from_ball[2][k]);
+      const double half = half_extent(from_ball, k);
       low[k] = index_along(b.centre[k] - half, k), high[k] = index_along(b.centre[k] + half, k);
     }
     for (int z = low[2]; z <= high[2]; ++z)
