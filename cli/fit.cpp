@@ -1,5 +1,4 @@
 #include <cmath>
-#include <map>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -96,9 +95,10 @@ void add_fit_options(CLI::App& command, FitCommandOptions& o) {
       ->check(number_between(0.01, 90))
       ->option_text("DEGREES");
   command
-      .add_option("--shape", o.shape,
-                  "`free`: blobs are ellipsoids, whose normals are smooth; `round`: balls, as in the paper of Jin et al. [free]")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, FitShape>{{"free", FitShape::free}, {"round", FitShape::round}}))
+      .add_option_function<std::string>(
+          "--shape", [&o](const std::string& name) { o.shape = name == "round" ? FitShape::round : FitShape::free; },
+          "`free`: blobs are ellipsoids, whose normals are smooth; `round`: balls, as in the paper of Jin et al. [free]")
+      ->check(CLI::IsMember({"free", "round"}))
       ->option_text("free|round");
   command
       .add_option(
@@ -125,10 +125,10 @@ FitResult fit_and_report(const std::string& mesh_path, const FitCommandOptions& 
         {mesh_path, 0, 0},
         fmt::format("it lies so far from the origin that the places of blobs are rounded to {:.2g} of its size; move it there", step));
   print_warnings(diagnostics);
-  print_message(fmt::format(
-      "{}: {} blobs, off by {:.3f} % of the diagonal (rms; at most {:.2f} %) and {:.1f} degrees; {}\n", mesh_path, r.blobs.size(), 100 * r.rms,
-      100 * r.max, r.normals,
-      r.is_cached ? std::string("from the cache") : fmt::format("samples {:.1f} s, fit {:.1f} s", r.sphere_tree_s, r.fit_s)));
+  print_message(
+      fmt::format("{}: {} blobs, off by {:.3f} % of the diagonal (rms; at most {:.2f} %) and {:.1f} degrees; {}\n", mesh_path,
+                  r.blobs.size(), 100 * r.rms, 100 * r.max, r.normals,
+                  r.is_cached ? std::string("from the cache") : fmt::format("samples {:.1f} s, fit {:.1f} s", r.sphere_tree_s, r.fit_s)));
   return r;
 }
 
@@ -136,7 +136,8 @@ void add_fit(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("fit", "fit blobs to a mesh");
   auto options = std::make_shared<FitArguments>();
   command.add_option("MESH", options->mesh, "an OBJ, PLY, OFF or STL file")->required();
-  command.add_option("-o,--output", options->output, "the cloud: a PLY file of vertices x y z radius weight, of ellipsoids ax … cz as well")
+  command
+      .add_option("-o,--output", options->output, "the cloud: a PLY file of vertices x y z radius weight, of ellipsoids ax … cz as well")
       ->required()
       ->check(ends_in(".ply"));
   add_fit_options(command, *options);

@@ -31,7 +31,8 @@ inline void add_value(const Ellipsoid& b, double weight, const Vec3d& u, BlobVal
 
 /// Half the box around it, along an axis.
 inline double half_extent(const Mat3d& from_ball, int axis) {
-  return std::sqrt(from_ball[0][axis] * from_ball[0][axis] + from_ball[1][axis] * from_ball[1][axis] + from_ball[2][axis] * from_ball[2][axis]);
+  return std::sqrt(from_ball[0][axis] * from_ball[0][axis] + from_ball[1][axis] * from_ball[1][axis] +
+                   from_ball[2][axis] * from_ball[2][axis]);
 }
 
 /// The radius of a ball that holds the ellipsoid: at most sqrt(3) times its longest half axis.

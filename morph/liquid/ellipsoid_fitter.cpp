@@ -16,7 +16,8 @@ namespace {
 constexpr double k_kept_free = 0.02;
 
 /// The share of the blobs that the fit starts with; the others come where the error is largest, in so many splits. Halves of a blob in a
-/// bent sheet leave it: the more of the surface has a sheet below that is thin, as a share of the spacing, the more blobs are there at once.
+/// bent sheet leave it: the more of the surface has a sheet below that is thin, as a share of the spacing, the more blobs are there at
+/// once.
 constexpr double k_first_share = 0.7, k_first_of_sheets = 0.5, k_most_first = 0.95, k_thin_sheet = 0.15;
 constexpr size_t k_splits = 2;
 

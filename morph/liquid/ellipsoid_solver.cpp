@@ -23,8 +23,9 @@ constexpr double k_turned = -0.3, k_turned_goal = 0.5;
 /// far at most.
 constexpr double k_usual_move = 0.3, k_usual_stretch = 0.3, k_usual_log_weight = 0.5;
 constexpr double k_most_move = 0.5, k_most_stretch = 0.35, k_most_log_weight = 0.8;
-constexpr std::array<double, k_blob_unknowns> k_usual_steps{k_usual_move,    k_usual_move,    k_usual_move,    k_usual_stretch, k_usual_stretch,
-                                                           k_usual_stretch, k_usual_stretch, k_usual_stretch, k_usual_stretch, k_usual_log_weight};
+constexpr std::array<double, k_blob_unknowns> k_usual_steps{k_usual_move,    k_usual_move,      k_usual_move,    k_usual_stretch,
+                                                            k_usual_stretch, k_usual_stretch,   k_usual_stretch, k_usual_stretch,
+                                                            k_usual_stretch, k_usual_log_weight};
 
 constexpr double k_damping_first = 1, k_damping_least = 0.02, k_damping_most = 1e4, k_damping_down = 0.3, k_damping_up = 5;
 
@@ -94,7 +95,7 @@ Ellipsoid stepped(Ellipsoid b, const float* x) {
 struct EllipsoidSolver::Scales {
   struct Scale {
     double value = 0, slope = 0, level = 1;
-    int side = 0;          ///< 0: both count, 1: only an excess, -1: only a lack
+    int side = 0; ///< 0: both count, 1: only an excess, -1: only a lack
     uint32_t residuals = 1;
   };
   std::vector<Scale> of_probe;

@@ -159,7 +159,8 @@ private:
     const Eigen::Vector3d deviation = solver.eigenvalues().cwiseMax(0.1 * k_least_variance).cwiseSqrt(); // ascending
     const double across = k_thin + (k_thick - k_thin) * std::min(1.0, c.depth / (k_thick_depth * spacing_));
     Eigen::Vector3d half;
-    for (int k = 0; k < 3; ++k) half[k] = deviation[k] * (across + (k_wide - across) * std::clamp(deviation[k] / deviation[0] - 1, 0.0, 1.0));
+    for (int k = 0; k < 3; ++k)
+      half[k] = deviation[k] * (across + (k_wide - across) * std::clamp(deviation[k] / deviation[0] - 1, 0.0, 1.0));
     const Eigen::Matrix3d root = solver.eigenvectors() * half.cwiseInverse().asDiagonal() * solver.eigenvectors().transpose();
     Ellipsoid e{c.centre, Mat3d(1), std::log(k_first_weight)};
     for (int i = 0; i < 3; ++i)
@@ -189,7 +190,8 @@ std::vector<Ellipsoid> fillers(const std::vector<Ellipsoid>& blobs, std::span<co
   std::vector<MedialSphere> candidates;
   for (const FitSample& s : samples)
     for (const double share : {1.0, 0.6})
-      if (const double r = share * s.inner; r > k_least_filler * spacing_of(area, count)) candidates.push_back({s.position - r * s.normal, r});
+      if (const double r = share * s.inner; r > k_least_filler * spacing_of(area, count))
+        candidates.push_back({s.position - r * s.normal, r});
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.radius > b.radius; });
   std::vector<Vec3d> places;
   for (const MedialSphere& c : candidates) places.push_back(c.centre);

@@ -73,7 +73,8 @@ public:
       }
       best = fit(options_.blobs);
       double lost_before = 1;
-      while (options_.shape == FitShape::free && options_.may_use_fewer && best.lost > k_most_lost && best.lost < k_progress * lost_before) {
+      while (options_.shape == FitShape::free && options_.may_use_fewer && best.lost > k_most_lost &&
+             best.lost < k_progress * lost_before) {
         lost_before = best.lost;
         best = fit(more(k_most_fitted_blobs));
       }
@@ -104,8 +105,8 @@ private:
       long_before = before, before = {r.rms, r.max, r.normals, r.lost, r.spurs};
       if (fitted_ >= options_.blobs || is_stuck)
         throw Error(ExitStatus::bad_data,
-                    fmt::format("{} blobs are not enough: they are off by {:.3f} % of the diagonal and {:.1f} degrees (rms)", r.blobs.size(),
-                                100 * r.rms, r.normals),
+                    fmt::format("{} blobs are not enough: they are off by {:.3f} % of the diagonal and {:.1f} degrees (rms)",
+                                r.blobs.size(), 100 * r.rms, r.normals),
                     {name_, 0, 0});
       r = fit(more(options_.blobs));
     }
@@ -114,10 +115,11 @@ private:
 
   void refuse_if_lost(const FitResult& r) const {
     if (r.lost <= (options_.shape == FitShape::round ? k_most_lost_round : k_most_lost)) return;
-    throw Error(ExitStatus::bad_data,
-                fmt::format("the mesh is too thin for {} blobs: {:.0f} % of it would have no surface near (more blobs, or thicker walls, may help)",
-                            fitted_, 100 * r.lost),
-                {name_, 0, 0});
+    throw Error(
+        ExitStatus::bad_data,
+        fmt::format("the mesh is too thin for {} blobs: {:.0f} % of it would have no surface near (more blobs, or thicker walls, may help)",
+                    fitted_, 100 * r.lost),
+        {name_, 0, 0});
   }
 
   /// The seconds are those of all fits so far.
@@ -140,9 +142,8 @@ private:
     report(k_tree_share);
     const double samples_done = cpu_seconds();
     tree_s_ += samples_done - start;
-    std::vector<Ellipsoid> blobs = EllipsoidFitter(std::move(samples), area_).fit(count, [&](double done) {
-      report(k_tree_share + (1 - k_tree_share) * done);
-    });
+    std::vector<Ellipsoid> blobs =
+        EllipsoidFitter(std::move(samples), area_).fit(count, [&](double done) { report(k_tree_share + (1 - k_tree_share) * done); });
     fit_s_ += cpu_seconds() - samples_done;
     return blobs;
   }
@@ -169,7 +170,9 @@ private:
   }
 
   [[noreturn]] void refuse_hollow() const {
-    throw Error(ExitStatus::bad_data, "the mesh has no inside that could be filled with blobs: nearly all of it is thinner than 0.1 % of its diagonal", {name_, 0, 0});
+    throw Error(ExitStatus::bad_data,
+                "the mesh has no inside that could be filled with blobs: nearly all of it is thinner than 0.1 % of its diagonal",
+                {name_, 0, 0});
   }
 
   /// Of several fits only what goes beyond those before counts.

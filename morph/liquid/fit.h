@@ -44,9 +44,9 @@ struct FitResult {
 };
 
 /// Fits about `blobs` blobs, on one thread: the sums of several would come in any order. Round ones: sphere tree, then least squares over
-/// centres, radii and weights (methods.md section 1, steps 1 and 2). Ellipsoids: Gaussians of what lies below the surface, then least squares
-/// over places, shapes and weights. Throws Error, bad_data, where the mesh encloses nothing,
-/// is too thin for so many blobs (no surface near some of it), or a goal is out of reach. `name` is for messages.
+/// centres, radii and weights (methods.md section 1, steps 1 and 2). Ellipsoids: Gaussians of what lies below the surface, then least
+/// squares over places, shapes and weights. Throws Error, bad_data, where the mesh encloses nothing, is too thin for so many blobs (no
+/// surface near some of it), or a goal is out of reach. `name` is for messages.
 FitResult fit_blobs(const Mesh&, const FitOptions&, const std::string& name);
 
 } // namespace kelpie

@@ -17,9 +17,9 @@ constexpr int k_revision = 4;
 
 std::string cache_key(const std::string& bytes, const FitOptions& options) {
   const XXH128_hash_t content = XXH3_128bits(bytes.data(), bytes.size());
-  const std::string all =
-      fmt::format("{:016x}{:016x} {} {} {} {} {} {} {} {} {}", content.high64, content.low64, options.blobs, options.may_use_fewer, options.weld,
-                  static_cast<int>(options.shape), options.error_share, options.error_length, options.normals, k_revision, KELPIE_VERSION);
+  const std::string all = fmt::format("{:016x}{:016x} {} {} {} {} {} {} {} {} {}", content.high64, content.low64, options.blobs,
+                                      options.may_use_fewer, options.weld, static_cast<int>(options.shape), options.error_share,
+                                      options.error_length, options.normals, k_revision, KELPIE_VERSION);
   const XXH128_hash_t key = XXH3_128bits(all.data(), all.size());
   return fmt::format("fit-{:016x}{:016x}", key.high64, key.low64);
 }

@@ -37,8 +37,8 @@ std::vector<Weighed> within(const std::vector<Weighed>& blobs, const Vec3d& p, d
   return near;
 }
 
-/// Distance from p to the nearest sign change of f - 1 on the line through it, up to `most`, which is returned where there is none; the place
-/// goes to `crossing`.
+/// Distance from p to the nearest sign change of f - 1 on the line through it, up to `most`, which is returned where there is none; the
+/// place goes to `crossing`.
 double distance_along(const std::vector<Weighed>& near, const Vec3d& p, const Vec3d& direction, double most, Vec3d& crossing) {
   const auto is_inside = [&](double t) { return sum_at(near, p + t * direction).value > 1; };
   const bool at_start = is_inside(0);

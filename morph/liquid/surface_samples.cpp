@@ -92,7 +92,8 @@ public:
           const auto it = points_.find(key(c + glm::i64vec3(dx, dy, dz)));
           if (it == points_.end()) continue;
           for (const SurfaceSample& q : it->second)
-            if (glm::dot(q.position - p, q.position - p) < distance * distance && (both_sides || glm::dot(q.normal, s.normal) > 0)) return true;
+            if (glm::dot(q.position - p, q.position - p) < distance * distance && (both_sides || glm::dot(q.normal, s.normal) > 0))
+              return true;
         }
     return false;
   }
