@@ -34,6 +34,15 @@ public:
     for (const auto& hit : found) visit(hit.first, std::sqrt(hit.second));
   }
 
+  /// Calls `visit(index, distance)` for the `count` points nearest to `p`, from the nearest on.
+  template <class Visit>
+  void visit_nearest(const Vec3d& p, size_t count, Visit&& visit) const {
+    std::vector<size_t> indices(count);
+    std::vector<double> squares(count);
+    const size_t found = tree_.knnSearch(&p.x, count, indices.data(), squares.data());
+    for (size_t i = 0; i < found; ++i) visit(indices[i], std::sqrt(squares[i]));
+  }
+
 private:
   struct Cloud {
     std::span<const Point> points;

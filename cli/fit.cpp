@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -23,9 +25,33 @@ struct FitArguments : FitCommandOptions {
   unsigned threads = 0;
 };
 
+/// A length, or a percentage of the mesh's diagonal; false for anything else.
+bool parse_error_goal(std::string text, double& share, double& length) {
+  const bool is_percentage = !text.empty() && text.back() == '%';
+  if (is_percentage) text.pop_back();
+  double value = 0;
+  if (!CLI::detail::lexical_cast(text, value) || !std::isfinite(value) || !(value > 0) || (is_percentage && value > 100)) return false;
+  (is_percentage ? share : length) = is_percentage ? value / 100 : value;
+  return true;
+}
+
+std::string check_error_goal(const std::string& text) {
+  double share = 0, length = 0;
+  if (parse_error_goal(text, share, length)) return {};
+  return fmt::format("must be a length above 0 or a percentage of the mesh's diagonal, as in 0.1%, found {}", text);
+}
+
+FitOptions fit_options(const FitCommandOptions& options) {
+  FitOptions how;
+  how.weld = options.weld, how.shape = options.shape, how.normals = options.normals, how.may_use_fewer = options.blobs == 0;
+  if (!options.error.empty()) parse_error_goal(options.error, how.error_share, how.error_length);
+  how.blobs = options.blobs > 0 ? options.blobs : how.has_goal() ? k_most_fitted_blobs : k_usual_blobs;
+  return how;
+}
+
 FitResult fit_with_progress(const MeshSource& mesh, const FitCommandOptions& options, Diagnostics& diagnostics) {
   Progress progress(options.progress, k_shown_steps, fmt::format("steps of fitting {}", mesh.label));
-  FitOptions how{options.blobs > 0 ? options.blobs : k_usual_blobs, options.blobs == 0, options.weld};
+  FitOptions how = fit_options(options);
   how.progress = [&](double done) { progress.advance(k_shown_steps * done); };
   return fit_mesh_file(mesh.path, how, !options.no_cache, diagnostics);
 }
@@ -37,6 +63,7 @@ std::string stats_of(const FitResult& r) {
                                      {"fit_s", r.fit_s},
                                      {"rms", r.rms},
                                      {"max", r.max},
+                                     {"normals", r.normals},
                                      {"lost", r.lost},
                                      {"spurs", r.spurs},
                                      {"cached", r.is_cached}};
@@ -58,7 +85,24 @@ void fit(const FitArguments& options) {
 } // namespace
 
 void add_fit_options(CLI::App& command, FitCommandOptions& o) {
-  command.add_option("--blobs", o.blobs, "how many blobs to fit [500, or fewer where they are as good]")->check(CLI::Range(1, 20'000));
+  command
+      .add_option("--blobs", o.blobs,
+                  "how many blobs to fit; with --error or --normals at most [500, or fewer where they are as good; with a goal 20,000]")
+      ->check(CLI::Range(size_t(1), k_most_fitted_blobs));
+  command
+      .add_option("--error", o.error,
+                  "as many blobs as it takes for this distance from the mesh (rms): a length, or a percentage of its diagonal, as in 0.1%")
+      ->check(CLI::Validator(check_error_goal, ""))
+      ->option_text("LENGTH|PERCENT");
+  command.add_option("--normals", o.normals, "as many blobs as it takes for normals that are off by so many degrees (rms)")
+      ->check(number_between(0.01, 90))
+      ->option_text("DEGREES");
+  command
+      .add_option_function<std::string>(
+          "--shape", [&o](const std::string& name) { o.shape = name == "round" ? FitShape::round : FitShape::free; },
+          "`free`: blobs are ellipsoids, whose normals are smooth; `round`: balls, as in the paper of Jin et al. [free]")
+      ->check(CLI::IsMember({"free", "round"}))
+      ->option_text("free|round");
   command
       .add_option(
           "--weld", o.weld,
@@ -84,9 +128,10 @@ FitResult fit_and_report(const MeshSource& mesh, const FitCommandOptions& option
         {mesh.label, 0, 0},
         fmt::format("it lies so far from the origin that the places of blobs are rounded to {:.2g} of its size; move it there", step));
   print_warnings(diagnostics);
-  print_message(fmt::format(
-      "{}: {} blobs, off by {:.3f} % of the diagonal (rms; at most {:.2f} %); {}\n", mesh.label, r.blobs.size(), 100 * r.rms, 100 * r.max,
-      r.is_cached ? std::string("from the cache") : fmt::format("sphere tree {:.1f} s, fit {:.1f} s", r.sphere_tree_s, r.fit_s)));
+  print_message(
+      fmt::format("{}: {} blobs, off by {:.3f} % of the diagonal (rms; at most {:.2f} %) and {:.1f} degrees; {}\n", mesh.label,
+                  r.blobs.size(), 100 * r.rms, 100 * r.max, r.normals,
+                  r.is_cached ? std::string("from the cache") : fmt::format("samples {:.1f} s, fit {:.1f} s", r.sphere_tree_s, r.fit_s)));
   return r;
 }
 
@@ -94,7 +139,8 @@ void add_fit(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("fit", "fit blobs to a mesh");
   auto options = std::make_shared<FitArguments>();
   command.add_option("MESH", options->mesh, k_mesh_sources)->required();
-  command.add_option("-o,--output", options->output, "the cloud: a PLY file of vertices x y z radius weight")
+  command
+      .add_option("-o,--output", options->output, "the cloud: a PLY file of vertices x y z radius weight, of ellipsoids ax … cz as well")
       ->required()
       ->check(ends_in(".ply"));
   add_fit_options(command, *options);

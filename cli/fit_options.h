@@ -12,13 +12,16 @@
 namespace kelpie {
 
 struct FitCommandOptions {
-  size_t blobs = 0; ///< 0: 500, or fewer where they are as good
-  double weld = 0;  ///< 0: chosen by the mesh
+  size_t blobs = 0;   ///< 0: 500, or fewer where they are as good, or what the goals need
+  std::string error;  ///< a length, or a percentage of the diagonal; empty: no goal
+  double normals = 0; ///< degrees; 0: no goal
+  FitShape shape = FitShape::free;
+  double weld = 0; ///< 0: chosen by the mesh
   bool no_cache = false;
   ProgressMode progress = ProgressMode::automatic;
 };
 
-/// Adds --blobs and --weld.
+/// Adds --blobs, --error, --normals, --shape and --weld.
 void add_fit_options(CLI::App& command, FitCommandOptions& options);
 
 /// Fits the mesh (or takes the fit from the cache); prints warnings and one line of figures to stderr.

@@ -13,19 +13,20 @@ namespace kelpie {
 namespace {
 
 /// Raise it whenever the same mesh and options yield other blobs or figures.
-constexpr int k_revision = 3;
+constexpr int k_revision = 4;
 
 std::string cache_key(const std::string& bytes, const FitOptions& options) {
   const XXH128_hash_t content = XXH3_128bits(bytes.data(), bytes.size());
-  const std::string all = fmt::format("{:016x}{:016x} {} {} {} {} {}", content.high64, content.low64, options.blobs, options.may_use_fewer,
-                                      options.weld, k_revision, KELPIE_VERSION);
+  const std::string all = fmt::format("{:016x}{:016x} {} {} {} {} {} {} {} {} {}", content.high64, content.low64, options.blobs,
+                                      options.may_use_fewer, options.weld, static_cast<int>(options.shape), options.error_share,
+                                      options.error_length, options.normals, k_revision, KELPIE_VERSION);
   const XXH128_hash_t key = XXH3_128bits(all.data(), all.size());
   return fmt::format("fit-{:016x}{:016x}", key.high64, key.low64);
 }
 
 /// The figures of a fit, one line of text.
 std::string figures_of(const FitResult& r) {
-  return fmt::format("{} {} {} {} {} {}\n", r.sphere_tree_s, r.fit_s, r.rms, r.max, r.lost, r.spurs);
+  return fmt::format("{} {} {} {} {} {} {}\n", r.sphere_tree_s, r.fit_s, r.rms, r.max, r.normals, r.lost, r.spurs);
 }
 
 /// The figures in the first line, and the blobs after it.
@@ -33,7 +34,7 @@ bool read_entry(const std::string& entry, FitResult& r) {
   const size_t line_end = entry.find('\n') + 1;
   const std::string line = entry.substr(0, line_end);
   TextCursor cursor(line, "");
-  for (double* figure : {&r.sphere_tree_s, &r.fit_s, &r.rms, &r.max, &r.lost, &r.spurs}) {
+  for (double* figure : {&r.sphere_tree_s, &r.fit_s, &r.rms, &r.max, &r.normals, &r.lost, &r.spurs}) {
     const auto value = to_number(cursor.next());
     if (!value) return false;
     *figure = *value;

@@ -141,8 +141,6 @@ BlobValue evaluate(const std::vector<BlobParameters>& blobs, const Vec3d& p) {
   return sum;
 }
 
-double distance_estimate(const BlobValue& f) { return (f.value - 1) / std::max(glm::length(f.gradient), 10.0); }
-
 void improve_blobs(std::vector<FitBlob>& blobs, const std::vector<Constraint>& constraints) {
   ceres::Problem problem;
   for (FitBlob& b : blobs) add_blob(problem, b);

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "base/vec.h"
+#include "morph/liquid/ellipsoid.h"
 
 namespace kelpie {
 
@@ -13,11 +13,7 @@ using BlobParameters = std::array<double, 5>;
 
 inline Vec3d centre_of(const BlobParameters& b) { return {b[0], b[1], b[2]}; }
 
-/// W q^2, q = 1 - |p - c|^2/R^2, or a sum of such.
-struct BlobValue {
-  double value = 0;
-  Vec3d gradient{0}; ///< with respect to p
-};
+/// The quartic blob's potential, and the sum of some.
 BlobValue evaluate(const BlobParameters&, const Vec3d& p);
 BlobValue evaluate(const std::vector<BlobParameters>&, const Vec3d& p);
 
@@ -26,10 +22,6 @@ struct Constraint {
   enum class Kind { surface, outside, inside } kind = Kind::surface;
   Vec3d position{0};
 };
-
-/// Distance of a point with that value from {f = 1}, to first order; positive inside. Where the field is flat the
-/// gradient says nothing, so it counts as at least that of a ball of 0.4 diagonals.
-double distance_estimate(const BlobValue&);
 
 /// A blob in the fit: where it is and where it began.
 struct FitBlob {

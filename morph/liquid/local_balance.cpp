@@ -7,7 +7,7 @@ namespace kelpie {
 
 namespace {
 
-constexpr int k_sweeps = 8;
+constexpr int k_factor_sweeps = 8;
 /// The exponent of each step: less than 1, as a blob's neighbours are changed at the same time.
 constexpr double k_step = 0.7;
 /// Of one sweep, and of all.
@@ -55,7 +55,7 @@ std::vector<double> potentials_at_centres(const BlobCloud& cloud) {
 std::vector<double> balancing_factors(const BlobCloud& cloud, std::span<const double> wanted) {
   const Neighbours neighbours(cloud);
   std::vector<double> factors(cloud.size(), 1), next(cloud.size());
-  for (int sweep = 0; sweep < k_sweeps; ++sweep) {
+  for (int sweep = 0; sweep < k_factor_sweeps; ++sweep) {
     for (size_t i = 0; i < cloud.size(); ++i) {
       const double sum = std::max(neighbours.sum_at(i, factors), 1e-6);
       const double change = std::clamp(std::max(wanted[i], 1e-6) / sum, 1 / k_most_change, k_most_change);
