@@ -253,7 +253,7 @@ TEST_F(Faults, AModuleThatIsMissingOrBrokenIsSaid) {
   expect("bin/kelpie view frame.exr -o a.png", 70, "error: kelpie_images.so is missing, which");
   const std::string module = "$(dirname $KELPIE)/lib/kelpie/kelpie_images.so";
   for (const std::string folder : {"lib/kelpie", "bin"}) {
-    ASSERT_EQ(shell("head -c 5000 " + module + " >" + folder + "/kelpie_images.so"), 0);
+    ASSERT_EQ(shell("echo no module >" + folder + "/kelpie_images.so"), 0);
     expect("bin/kelpie view frame.exr -o a.png", 70, "error: cannot load ");
     ASSERT_EQ(shell("cp " + module + " " + folder), 0);
     EXPECT_EQ(timed("bin/kelpie view frame.exr -o a.png && rm a.png").status, 0) << folder;
