@@ -11,7 +11,6 @@ find_package(OpenImageIO REQUIRED)
 set_target_properties(OpenImageIO::OpenImageIO PROPERTIES
   INTERFACE_INCLUDE_DIRECTORIES "" INTERFACE_SYSTEM_INCLUDE_DIRECTORIES "")
 find_package(OpenEXR REQUIRED)
-find_package(ZLIB REQUIRED)
 find_package(Ceres REQUIRED)
 find_package(Eigen3 REQUIRED)
 find_package(hwy REQUIRED)
@@ -22,6 +21,7 @@ find_package(TinyGLTF REQUIRED)
 pkg_check_modules(OCIO REQUIRED IMPORTED_TARGET OpenColorIO)
 # libzip's config file asks for its command-line tools.
 pkg_check_modules(LIBZIP REQUIRED IMPORTED_TARGET libzip)
+pkg_check_modules(DEFLATE REQUIRED IMPORTED_TARGET libdeflate)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 # OpenSubdiv's config file asks for a static library that Debian does not have.
 find_library(OSD_CPU osdCPU REQUIRED)

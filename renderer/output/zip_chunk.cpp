@@ -1,8 +1,20 @@
 #include "renderer/output/zip_chunk.h"
 
-#include "renderer/output/deflate.h"
+#include <new>
+
+#include <libdeflate.h>
 
 namespace kelpie {
+
+namespace {
+constexpr int k_quickest = 1;
+}
+
+ChunkZipper::ChunkZipper() : compressor_(libdeflate_alloc_compressor(k_quickest)) {
+  if (!compressor_) throw std::bad_alloc();
+}
+
+ChunkZipper::~ChunkZipper() { libdeflate_free_compressor(compressor_); }
 
 /// As EXR has it: first all bytes at even places, then all at odd ones, of each its difference to the one before.
 void ChunkZipper::reorder(std::span<const unsigned char> rows) {
@@ -18,8 +30,9 @@ void ChunkZipper::reorder(std::span<const unsigned char> rows) {
 std::span<const unsigned char> ChunkZipper::zip(std::span<const unsigned char> rows) {
   if (rows.empty()) return rows;
   reorder(rows);
-  deflate_runs(differences_, zipped_);
-  return zipped_.size() < rows.size() ? std::span<const unsigned char>(zipped_) : rows;
+  zipped_.resize(rows.size()); // what needs more is not taken
+  const size_t size = libdeflate_zlib_compress(compressor_, differences_.data(), differences_.size(), zipped_.data(), zipped_.size());
+  return size > 0 && size < rows.size() ? std::span<const unsigned char>(zipped_).first(size) : rows;
 }
 
 } // namespace kelpie
