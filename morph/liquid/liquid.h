@@ -51,8 +51,12 @@ beginning, and more and more that of where it will be at the end.)";
                   "`flow`: along the bodies; `transport`: straight, as little as possible; `cellular`: nearest spheres, as in the paper"),
         parameter("volume", &Liquid::volume, "`linear`: the potential is scaled so that the volume changes linearly; `free`: as it comes"),
         parameter("ends", &Liquid::ends,
-                  "of `from` and `to`: `exact`: the clouds; `molten`, with `flow`: as smooth as between, for what melts into it and sets from it"),
-        parameter("progress", &Liquid::progress, "0 is `from`, 1 is `to`; clouds that it goes `through` are at equal parts").at_least(0).at_most(1).required(),
+                  "of `from` and `to`: `exact`: the clouds; `molten`, with `flow`: as smooth as between, for what melts into it and sets "
+                  "from it"),
+        parameter("progress", &Liquid::progress, "0 is `from`, 1 is `to`; clouds that it goes `through` are at equal parts")
+            .at_least(0)
+            .at_most(1)
+            .required(),
         parameter("weight", &Liquid::weight,
                   "multiplies the field: where it rises from 0 to 1 as an `sdf_mesh` beside it in a `blend` falls, the mesh melts")
             .at_least(0),
