@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "base/point_index.h"
 #include "morph/liquid/fit_samples.h"
@@ -15,8 +16,8 @@ constexpr size_t k_points = 5000;
 constexpr double k_farthest = 0.05, k_outside = 0.02;
 constexpr int k_steps = 50, k_halvings = 30;
 
-/// Beyond `k_farthest` steps grow by this factor, up to the diagonal.
-constexpr double k_step_growth = 1.1, k_nowhere = 1;
+/// How far off the surface is where there is none at all.
+constexpr double k_nowhere = 1;
 
 /// A blob, with what takes long to find.
 struct Weighed {
@@ -37,50 +38,51 @@ std::vector<Weighed> within(const std::vector<Weighed>& blobs, const Vec3d& p, d
   return near;
 }
 
-/// Distance from p to the nearest sign change of f - 1 on the line through it, up to `most`, which is returned where there is none; the
-/// place goes to `crossing`.
-double distance_along(const std::vector<Weighed>& near, const Vec3d& p, const Vec3d& direction, double most, Vec3d& crossing) {
+struct Crossing {
+  double distance = k_farthest;
+  Vec3d place{0};
+};
+const Vec3d& place_of(const Crossing& c) { return c.place; }
+
+/// The nearest sign change of f - 1 on the line through p, within k_farthest.
+Crossing crossing_along(const std::vector<Weighed>& near, const Vec3d& p, const Vec3d& direction) {
   const auto is_inside = [&](double t) { return sum_at(near, p + t * direction).value > 1; };
   const bool at_start = is_inside(0);
-  double from = 0, step = k_farthest / k_steps;
-  while (from < most * (1 - 1e-9)) {
-    const double to = std::min(from + step, most);
+  const double step = k_farthest / k_steps;
+  for (int i = 1; i <= k_steps; ++i)
     for (const double side : {1.0, -1.0}) {
-      double a = side * from, b = side * to; // up to a nothing has changed
+      double a = side * step * (i - 1), b = side * step * i; // up to a nothing has changed
       if (is_inside(b) == at_start) continue;
       for (int k = 0; k < k_halvings; ++k) {
         const double m = 0.5 * (a + b);
         (is_inside(m) == at_start ? a : b) = m;
       }
-      crossing = p + b * direction;
-      return std::abs(b);
+      return {std::abs(b), p + b * direction};
     }
-    from = to;
-    if (from > k_farthest) step *= k_step_growth;
-  }
-  return most;
+  return {};
 }
 
-struct Nearest {
-  double distance;
-  Vec3d place{0};
-};
-
-Nearest nearest_surface(const std::vector<Weighed>& blobs, const SurfaceSample& s) {
-  Nearest best{k_farthest};
-  const auto look = [&](const std::vector<Weighed>& near, const Vec3d& direction, double most) {
-    Vec3d place(0);
-    if (const double d = distance_along(near, s.position, direction, most, place); d < best.distance) best = {d, place};
-  };
+Crossing nearest_crossing(const std::vector<Weighed>& blobs, const SurfaceSample& s) {
   const std::vector<Weighed> near = within(blobs, s.position, k_farthest);
-  look(near, s.normal, k_farthest);
+  const Crossing along_normal = crossing_along(near, s.position, s.normal);
   const Vec3d g = sum_at(near, s.position).gradient;
   const double steepness = glm::length(g);
-  if (steepness > 0) look(near, g / steepness, k_farthest);
-  if (best.distance < k_farthest) return best;
-  best.distance = k_nowhere;
-  for (const Vec3d& direction : {s.normal, Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 1)}) look(blobs, direction, k_nowhere);
-  return best;
+  if (!(steepness > 0)) return along_normal;
+  const Crossing along_gradient = crossing_along(near, s.position, g / steepness);
+  return along_gradient.distance < along_normal.distance ? along_gradient : along_normal;
+}
+
+/// Of points without a crossing near: the way to the nearest crossing of another.
+void find_far_surface(std::span<const SurfaceSample> samples, std::vector<Crossing>& all) {
+  std::vector<Crossing> found;
+  for (const Crossing& c : all)
+    if (c.distance < k_farthest) found.push_back(c);
+  const PointIndex<Crossing> index(found);
+  for (size_t i = 0; i < all.size(); ++i) {
+    if (all[i].distance < k_farthest) continue;
+    const double way = found.empty() ? k_nowhere : glm::length(found[index.nearest(samples[i].position)].place - samples[i].position);
+    all[i].distance = std::max(way, k_farthest);
+  }
 }
 
 } // namespace
@@ -90,11 +92,15 @@ FitErrors measure_fit(const std::vector<Ellipsoid>& blobs, const Mesh& unit, con
   for (const Ellipsoid& b : blobs) weighed.push_back({b, std::exp(b.log_weight), reach_of(b)});
   const std::vector<SurfaceSample> samples = random_samples(unit, k_points, seed);
   const PointIndex<SurfaceSample> index(samples);
+  std::vector<Crossing> crossings;
+  for (const SurfaceSample& s : samples) crossings.push_back(nearest_crossing(weighed, s));
+  find_far_surface(samples, crossings);
   FitErrors e;
   double squares = 0, angles = 0;
   size_t lost = 0, outside = 0, spurs = 0, normals = 0;
-  for (const SurfaceSample& s : samples) {
-    const Nearest found = nearest_surface(weighed, s);
+  for (size_t i = 0; i < samples.size(); ++i) {
+    const SurfaceSample& s = samples[i];
+    const Crossing& found = crossings[i];
     squares += found.distance * found.distance, e.max = std::max(e.max, found.distance);
     if (found.distance >= k_farthest) {
       ++lost;

@@ -19,7 +19,7 @@ struct FitErrors {
 
 /// The distance of a point is the nearer of the first crossings on two lines, along the mesh's normal and along the field's
 /// gradient: an upper bound of the true one. (The normal alone misses a rounded rim that passes close by.) If there is none within 0.05,
-/// the lines along the axes count as well; where none of them meets the surface, it is 1.
+/// it is the way to the nearest crossing that belongs to another point; 1 where no point has any.
 /// `tree` is that of the mesh.
 FitErrors measure_fit(const std::vector<Ellipsoid>& blobs, const Mesh& unit, const TriangleTree& tree, uint64_t seed);
 
