@@ -49,12 +49,17 @@ FitOptions options_for(size_t blobs, FitShape shape = FitShape::free) {
 }
 
 void expect_smoother(const Mesh& mesh, size_t blobs, double most_rms, double most_degrees) {
-  const FitResult free = fit_blobs(mesh, options_for(blobs), "mesh"), round = fit_blobs(mesh, options_for(blobs, FitShape::round), "mesh");
+  const FitResult free = fit_blobs(mesh, options_for(blobs), "mesh");
   EXPECT_LE(free.blobs.size(), blobs);
   EXPECT_EQ(free.lost, 0);
   EXPECT_LT(free.rms, most_rms);
   EXPECT_LT(free.normals, most_degrees);
-  EXPECT_TRUE(round.normals > most_degrees || round.rms > most_rms) << round.normals << " " << round.rms;
+  try {
+    const FitResult round = fit_blobs(mesh, options_for(blobs, FitShape::round), "mesh");
+    EXPECT_TRUE(round.normals > most_degrees || round.rms > most_rms) << round.normals << " " << round.rms;
+  } catch (const Error& e) { // or there are not enough of them
+    EXPECT_NE(std::string(e.what()).find("too thin"), std::string::npos) << e.what();
+  }
 }
 
 TEST(EllipsoidFit, PlatesAreSmooth) { expect_smoother(rounded({1, 0.03, 1}), 150, 0.0015, 6); }
