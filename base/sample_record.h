@@ -36,10 +36,12 @@ struct RecordSampler {
 
   template <class From, class To>
   void record(const From& from, To& to) {
-    const auto rows = [&]<size_t... I>(std::index_sequence<I...>) {
-      (value(from.*(std::get<I>(k_table<From>).member), to.*(std::get<I>(k_table<To>).member)), ...);
-    };
-    rows(std::make_index_sequence<std::tuple_size_v<decltype(From::parameters())>>{});
+    rows(from, to, std::make_index_sequence<std::tuple_size_v<decltype(From::parameters())>>{});
+  }
+  /// No lambda: clang 14 may order what it captures otherwise in one source than in another, and all sources share the code.
+  template <class From, class To, size_t... I>
+  void rows([[maybe_unused]] const From& from, [[maybe_unused]] To& to, std::index_sequence<I...>) {
+    (value(from.*(std::get<I>(k_table<From>).member), to.*(std::get<I>(k_table<To>).member)), ...);
   }
 };
 } // namespace detail
