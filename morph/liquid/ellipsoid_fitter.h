@@ -13,7 +13,7 @@ class EllipsoidFitter {
 public:
   /// About k_samples_per_blob samples of the surface, of that area, per blob determine its ten unknowns: each tells a place and a normal.
   EllipsoidFitter(std::vector<FitSample> samples, double area);
-  static constexpr size_t k_samples_per_blob = 16;
+  static constexpr size_t k_samples_per_blob = 18;
 
   /// At most `wanted` blobs. `progress` is called with the share that is done.
   std::vector<Ellipsoid> fit(size_t wanted, const std::function<void(double)>& progress) const;
