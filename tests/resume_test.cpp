@@ -72,7 +72,7 @@ TEST_F(Resume, KilledRunsAreResumed) {
   size_t killed = 0;
   for (int i = 0; i < 50 && frames().size() < 20; ++i) {
     const std::map<std::string, ino_t> before = frames();
-    killed += shell("timeout -s KILL 0." + std::to_string(35 + 7 * (i % 9)) + " " + run) != 0;
+    killed += shell("timeout -s KILL 0." + std::to_string(100 + 23 * (i % 9)) + " " + run) != 0;
     const std::map<std::string, ino_t> after = frames();
     for (const auto& [name, file] : before) EXPECT_EQ(after.at(name), file) << name << " was made again";
     for (const auto& [name, file] : after) EXPECT_TRUE(read_exr(path("out/" + name)).is_intact()) << name;

@@ -104,6 +104,14 @@ inline BlobCloud ellipsoid_cloud(Falloff falloff) {
   return cloud;
 }
 
+inline std::vector<BlobCloud> hard_clouds(Falloff f) { return {coincident_cloud(f), thin_cloud(f), negative_cloud(f), ellipsoid_cloud(f)}; }
+
+/// Without what carves.
+inline BlobCloud positive(BlobCloud cloud) {
+  std::erase_if(cloud, [](const Blob& b) { return b.weight < 0; });
+  return cloud;
+}
+
 /// With this formula wherever it stands.
 template <template <class> class Kind>
 Kind<SampledMode> sharp() {
