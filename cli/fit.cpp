@@ -100,7 +100,8 @@ void add_fit_options(CLI::App& command, FitCommandOptions& o) {
   command
       .add_option_function<std::string>(
           "--shape", [&o](const std::string& name) { o.shape = name == "round" ? FitShape::round : FitShape::free; },
-          "`free`: blobs are ellipsoids, whose normals are smooth; `round`: balls, as in the paper of Jin et al. [free]")
+          "`round`: blobs are balls, as in the paper of Jin et al.; `free`: ellipsoids, whose normals are smooth and which keep thin "
+          "sheets, but may leave pieces in the air: look at them [round]")
       ->check(CLI::IsMember({"free", "round"}))
       ->option_text("free|round");
   command

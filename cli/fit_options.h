@@ -15,7 +15,7 @@ struct FitCommandOptions {
   size_t blobs = 0;   ///< 0: 500, or fewer where they are as good, or what the goals need
   std::string error;  ///< a length, or a percentage of the diagonal; empty: no goal
   double normals = 0; ///< degrees; 0: no goal
-  FitShape shape = FitShape::free;
+  FitShape shape = FitShape::round;
   double weld = 0; ///< 0: chosen by the mesh
   bool no_cache = false;
   ProgressMode progress = ProgressMode::automatic;
