@@ -54,6 +54,7 @@ double mean_reach(std::span<const LiquidPart> parts) {
 class Places {
 public:
   explicit Places(std::vector<Vec3d> places) : places_(std::move(places)), index_(places_) {}
+  Places(const Places&) = delete; // the index refers to the places
 
   void find(const Vec3d& p, double within, std::vector<uint32_t>& out) const {
     const auto first = static_cast<std::ptrdiff_t>(out.size());
